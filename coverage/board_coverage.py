@@ -22,6 +22,12 @@ LINE = (
     "bad CRC", "too short", "too long", "bad stuffing", "END after ESC", "no stop bit", "frame still held",
 )  # fmt: skip
 MODES = ("FIRST", "ALL", "COUNT")
+MARGINS = ("margin", "slow", "warn")
+# Zones that are wider than the one within them; where a complete run found something; what is said of the
+# zones while go is, by bits of slow and warn, which it is not beyond.
+WIDER = ("none", "slow", "warn", "both")
+NOWHERE, IN_WARN, IN_SLOW, NEAR = ("nowhere", "in warn", "in slow", "within the margin")
+ZONES = ("beyond both", "beyond warn", "beyond slow", "beyond none")
 # What a run tries; of each kind one of so many. The last three always fail.
 TRIALS = ("CLAIM", "PARITY", "NUMBER", "MEMORY", "WALK", "INTAKE", "BOARD")
 _WHICHES, _ALWAYS_FAIL = 32, 3
@@ -43,6 +49,7 @@ def _refused() -> Iterator[str]:
     yield from (f"BUSY of {command}" for command in ("LOAD", "RUN"))
     yield from (f"VALUE of {command}" for command in ("HELLO", "LOAD", "RUN", "RESULTS"))
     yield from ("UNKNOWN of another", "PLACE of LOAD", "OVERFULL of LOAD", "COUNTS of RUN", "EMPTY of RUN")
+    yield from (f"{margin} too wide" for margin in MARGINS)
 
 
 def _ends() -> Iterator[str]:
@@ -84,6 +91,23 @@ def _holds() -> Iterator[str]:
     yield from (f"{how}, in time" for how in ("near", "out of range"))
 
 
+def found_in(zones: int, near: int) -> str:
+    """Return where a complete run found something; ``zones``: bits of those in which any pair is."""
+    return NEAR if near else {0: NOWHERE, 2: IN_WARN}.get(zones, IN_SLOW)
+
+
+def _zones() -> Iterator[str]:
+    """Where something may be found, by the zones that are asked for: the others are as wide as one within."""
+    found = {"none": (), "slow": (IN_SLOW,), "warn": (IN_WARN,), "both": (IN_WARN, IN_SLOW)}
+    for asked in WIDER:
+        yield from (f"{asked}, {where}" for where in (NOWHERE, *found[asked], NEAR))
+
+
+def _beyond() -> Iterator[str]:
+    yield from (f"go, {one}" for one in ZONES)
+    yield from (f"{one}, then {other}" for one, other in product(ZONES, (*ZONES, "stop")))
+
+
 _FAULTS = (
     "a run while it stands",
     "found between runs",
@@ -108,6 +132,8 @@ def board_model() -> CoverModel[View]:
         ),
         ("board_holds", "runs that hold: when one begins, how it ends, what comes late", _holds()),
         ("board_runs", "mode x how a run ended", _runs()),
+        ("board_zones", "zones that a run asks for x where a complete one found something", _zones()),
+        ("board_beyond", "what is said of the zones: as go begins, is held, ends", _beyond()),
         (
             "board_line",
             "what is wrong on the line x what the outputs say",

@@ -141,6 +141,7 @@ def _values(build: MeshBuild) -> list[Item]:
     items: list[Item] = []
     if build.margin_bits:
         items.append(Item("mesh_margin", "margin x whether it ran", (points.margin(build), points.RAN)))
+        items += _zones(build)
     reach = 1 << build.width
     for k in points.AXES:
         items.append(Item(f"mesh_move_{k}", f"translation along {k}", (points.move(k, reach),)))
@@ -151,6 +152,37 @@ def _values(build: MeshBuild) -> list[Item]:
     ):
         items.append(Item(f"mesh_{name}", meaning, (points.mask(name, ends),)))
     return items
+
+
+def _zones(build: MeshBuild) -> list[Item]:
+    few = _none(
+        "three margins that differ need two bits", lambda s, w: build.margin_bits < 2 and s != 1 and w == 2
+    )
+    nothing, narrowest = points.FOUND.index("nowhere"), points.FOUND.index("within the margin")
+    in_warn, in_slow = points.FOUND.index("in warn"), points.FOUND.index("in slow")
+    none, slow, warn, both = range(len(points.WIDER))
+    found = (
+        _illegal(
+            "what is in no zone but the margin is within that",
+            lambda wider, f: wider == none and f not in (nothing, narrowest),
+        ),
+        _illegal("warn is no wider than slow", lambda wider, f: wider == slow and f == in_warn),
+        _illegal("slow is no wider than the margin", lambda wider, f: wider == warn and f == in_slow),
+        _none(
+            "three margins that differ need two bits",
+            lambda wider, f: build.margin_bits < 2 and wider == both,
+        ),
+    )
+    return [
+        Item("mesh_zones", "slow to the margin x warn to slow", (points.SLOW, points.WARN), (few,)),
+        Item(
+            "mesh_found",
+            "zones wider than the one within them x where complete runs found something",
+            (points.WIDER_ZONES, points.FOUND_IN),
+            found,
+        ),
+        Item("mesh_again", "how often a run with zones asks about a pair once more", (points.AGAIN,)),
+    ]
 
 
 def _gaps(build: MeshBuild) -> list[Item]:

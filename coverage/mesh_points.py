@@ -136,6 +136,41 @@ def _how_near(view: MeshView) -> Codes:
 
 
 NEAR = Point("near", ("none", "one", "all", "some"), _how_near, partial=True)
+# Zones that are wider than the one within them; where something was found, of complete runs with pairs.
+WIDER = ("none", "slow", "warn", "both")
+FOUND = ("within the margin", "in slow", "in warn", "nowhere")
+
+
+def _slow(view: MeshView) -> Column:
+    return np.maximum(view.slow, view.margin)
+
+
+def _compared(one: Column, other: Column) -> Codes:
+    return (1 + np.sign(one - other)).astype(np.uint8)
+
+
+_COMPARED = ("narrower", "as wide", "wider")
+SLOW = Point("slow", _COMPARED, lambda v: _compared(v.slow, v.margin))
+WARN = Point("warn", _COMPARED, lambda v: _compared(v.warn, _slow(v)))
+WIDER_ZONES = Point(
+    "wider", WIDER, lambda v: ((v.slow > v.margin) + 2 * (v.warn > _slow(v))).astype(np.uint8)
+)
+
+
+def _found(view: MeshView) -> Codes:
+    ran = (view.status == 1) & (view.count_a * view.count_b > 0)
+    in_slow = (view.slow > view.margin) & (view.zones % 2 == 1)
+    in_warn = (view.warn > _slow(view)) & (view.zones >= 2)
+    return _choice(ran & (view.near > 0), ran & in_slow, ran & in_warn, ran)
+
+
+FOUND_IN = Point("found", FOUND, _found, partial=True)
+AGAIN = Point(
+    "again",
+    ("none", "one", "some", "16 and more"),
+    lambda v: np.where(v.slow + v.warn > 0, _classes(v.asked_again, 1, 2, 16), 4).astype(np.uint8),
+    partial=True,
+)
 FIRST_AT = Point(
     "first",
     ("the first", "the second", "later"),

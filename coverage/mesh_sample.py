@@ -81,6 +81,9 @@ class MeshRow:
     ``group_gaps``, ``pair_gaps``: bit 4k+2s+e, an axis k alone separates boxes by the margin (e = 0) or the
     smallest step more, B below (s = 0) or above. ``first_at``: number among the pairs tested. ``tried``,
     ``which``: what it tries, and which. ``scrubbed``: which the run before tried that only scrubbing finds.
+    ``slow``, ``warn``: margins of zones, as asked for; ``zones``: bits of those in which something was
+    found, or that are no wider than the one within; ``asked_again``: how often a pair was put to the core
+    once more.
     """
 
     mode: int
@@ -89,10 +92,14 @@ class MeshRow:
     count_b: int
     overfull: int = 0
     margin: int = 0
+    slow: int = 0
+    warn: int = 0
     move_x: int = 0
     move_y: int = 0
     move_z: int = 0
     near: int = 0
+    zones: int = 0
+    asked_again: int = 0
     group_pairs_skipped: int = 0
     group_pairs_opened: int = 0
     rows: int = 0

@@ -63,6 +63,12 @@ extern "C" {
 #define TRIAXIS_SOC_REGS__STATUS__RESULT_bm 0x700
 #define TRIAXIS_SOC_REGS__STATUS__RESULT_bp 8
 #define TRIAXIS_SOC_REGS__STATUS__RESULT_bw 3
+#define TRIAXIS_SOC_REGS__STATUS__BEYOND_SLOW_bm 0x800
+#define TRIAXIS_SOC_REGS__STATUS__BEYOND_SLOW_bp 11
+#define TRIAXIS_SOC_REGS__STATUS__BEYOND_SLOW_bw 1
+#define TRIAXIS_SOC_REGS__STATUS__BEYOND_WARN_bm 0x1000
+#define TRIAXIS_SOC_REGS__STATUS__BEYOND_WARN_bp 12
+#define TRIAXIS_SOC_REGS__STATUS__BEYOND_WARN_bw 1
 
 // reg - triaxis_soc_regs::INTERRUPT
 #define TRIAXIS_SOC_REGS__INTERRUPT__DONE_bm 0x1
@@ -202,6 +208,18 @@ extern "C" {
 #define TRIAXIS_SOC_REGS__CYCLES__VALUE_bp 0
 #define TRIAXIS_SOC_REGS__CYCLES__VALUE_bw 32
 
+// reg - triaxis_soc_regs::SLOW
+#define TRIAXIS_SOC_REGS__SLOW__VALUE_bm 0xffffffff
+#define TRIAXIS_SOC_REGS__SLOW__VALUE_bp 0
+#define TRIAXIS_SOC_REGS__SLOW__VALUE_bw 32
+#define TRIAXIS_SOC_REGS__SLOW__VALUE_reset 0x0
+
+// reg - triaxis_soc_regs::WARN
+#define TRIAXIS_SOC_REGS__WARN__VALUE_bm 0xffffffff
+#define TRIAXIS_SOC_REGS__WARN__VALUE_bp 0
+#define TRIAXIS_SOC_REGS__WARN__VALUE_bw 32
+#define TRIAXIS_SOC_REGS__WARN__VALUE_reset 0x0
+
 // addrmap - triaxis_soc_regs
 typedef struct {
     uint32_t IDENTITY;
@@ -226,10 +244,12 @@ typedef struct {
     uint32_t GROUP_PAIRS_SKIPPED;
     uint32_t GROUP_PAIRS_OPENED;
     uint32_t CYCLES;
+    uint32_t SLOW;
+    uint32_t WARN;
 } triaxis_soc_regs_t;
 
 
-static_assert(sizeof(triaxis_soc_regs_t) == 0x80, "Packing error");
+static_assert(sizeof(triaxis_soc_regs_t) == 0x88, "Packing error");
 
 #ifdef __cplusplus
 }

@@ -38,11 +38,12 @@ _AXIS = {"vendor": "amba.com", "library": "AMBA4", "version": "r0p0_1"}
 
 @dataclass(frozen=True)
 class Port:
-    """A port: its name, whether it is an input, its bits."""
+    """A port: its name, whether it is an input, the numbers of its highest and lowest bit."""
 
     name: str
     is_input: bool
-    width: int
+    left: int
+    right: int
 
     @property
     def stream(self) -> tuple[str, str] | None:
@@ -88,7 +89,8 @@ def component(top: str, parameters: Mapping[str, int], dut: Path = DUT) -> Compo
 
         said = DiagnosticEngine.reportAll(compilation.sourceManager, errors[:1]).strip()
         raise InputError(f"{top}: these parameters do not fit: {said.splitlines()[0]}")
-    ports = [Port(one.name, one.direction.name == "In", one.type.bitWidth) for one in body.portList]
+    ranges = [(one, one.type.fixedRange) for one in body.portList]
+    ports = [Port(one.name, one.direction.name == "In", bits.left, bits.right) for one, bits in ranges]
     return Component(top, known, ports, sources, dut / "core")
 
 
@@ -144,8 +146,8 @@ def as_xml(one: Component, headers: Sequence[str], sources: Sequence[str]) -> by
     for port in one.ports:
         wire = _child(_texts(_child(ports, "port"), name=port.name), "wire")
         _texts(wire, direction="in" if port.is_input else "out")
-        if port.width > 1:
-            _texts(_child(_child(wire, "vectors"), "vector"), left=port.width - 1, right=0)
+        if port.left != port.right:
+            _texts(_child(_child(wire, "vectors"), "vector"), left=port.left, right=port.right)
     files = _texts(_child(_child(root, "fileSets"), "fileSet"), name="rtl")
     for name in (*headers, *sources):
         file = _texts(_child(files, "file"), name=f"rtl/{name}", fileType="systemVerilogSource")

@@ -29,8 +29,8 @@ constexpr int64_t kResetClocks = 16;
 enum Until : int32_t { kNever = 0, kSpoken, kSettled };
 
 // What is seen, and its value: a byte to the board, one without a stop bit; the start of a frame from the board, a
-// byte, one without a stop bit; the pins go, stop and the LEDs, from bit 0 on, where one has changed; an edge of the
-// beat; the reset button; the first digit lit after a reset.
+// byte, one without a stop bit; the pins go, stop, the LEDs, beyond slow and warn, from bit 0 on, where one has
+// changed; an edge of the beat; the reset button; the first digit lit after a reset.
 enum Kind : int32_t { kRx = 0, kRxBroken, kBegin, kTx, kTxBroken, kPins, kBeat, kReset, kLit };
 
 struct Event {
@@ -269,7 +269,8 @@ class Player {
 
     void Note() {
         const bool go = top_.go_o;
-        const uint32_t seen = uint32_t{top_.led_o} << 2 | uint32_t{top_.stop_o} << 1 | go;
+        const uint32_t beyond = uint32_t{top_.beyond_warn_o} << 1 | top_.beyond_slow_o;
+        const uint32_t seen = beyond << 18 | uint32_t{top_.led_o} << 2 | uint32_t{top_.stop_o} << 1 | go;
         if (seen != seen_) {
             spoken_ |= go != (seen_ & 1);
             // A run has ended.

@@ -57,7 +57,9 @@ class Trial(IntEnum):
 class MeshRun:
     """What a run answered.
 
-    ``near`` (K, 2): near pairs as (number in A, number in B), in the order of the scan.
+    ``near`` (K, 2): near pairs as (number in A, number in B), in the order of the scan; in a run with zones
+    not quite. ``zones``: bits of the zones slow and warn, 0 of a complete run where nothing is in the
+    zone, and it is wider than the one within it.
     """
 
     status: Status
@@ -67,6 +69,7 @@ class MeshRun:
     pairs_skipped: int
     tested: int
     near_count: int
+    zones: int
     near: npt.NDArray[np.int64]
 
 
@@ -78,8 +81,10 @@ OF_B, CLEAR, WITH_RUN = 1, 2, 4
 # Of an accepted run: what was high since the run before.
 IDLE_ABORT, ACKNOWLEDGED = 1, 2
 # Numbers that come with a loaded triangle, with a run, with a summary; with others none.
-NUM_VALUES = np.array([9, 6, 0, 16, 0, 0, 0])
+NUM_VALUES = np.array([9, 8, 0, 17, 0, 0, 0])
 
+# Margins of the outer zones, slow and warn: none is wider than the run's margin.
+NO_ZONES = 0, 0
 Runs = npt.NDArray[np.uint16]
 ALWAYS: Runs = np.zeros(0, np.uint16)
 
@@ -98,7 +103,7 @@ class _Load(ctypes.Structure):
 class _Run(ctypes.Structure):
     _fields_ = (
         ("move", ctypes.c_int64 * 3),
-        ("margin", ctypes.c_int64),
+        ("margins", ctypes.c_int64 * 3),
         ("mode", ctypes.c_int64),
         ("trial", ctypes.c_int64),
         ("acknowledge", ctypes.c_int64),
@@ -162,16 +167,17 @@ class MeshPlayer(Player):
 
     def offer(
         self, translation: Move, margin: int, mode: int, trial: int = 0, aborts: Iterable[int] = (),
-        idle_abort: bool = False, acknowledge: bool = False,
+        idle_abort: bool = False, acknowledge: bool = False, zones: tuple[int, int] = NO_ZONES,
     ) -> None:  # fmt: skip
-        """Offer a run: while no other is offered. ``aborts``: clocks after its acceptance.
+        """Offer a run: while no other is offered. ``aborts``: clocks after its acceptance; ``zones``: slow,
+        warn.
 
         ``idle_abort``, ``acknowledge``: this is high for a clock before it is offered.
         """
         clocks = np.array(sorted(set(aborts)), np.int64)
         run = _Run(
-            (ctypes.c_int64 * 3)(*translation), margin, mode, trial, int(acknowledge), int(idle_abort),
-            len(clocks), clocks.ctypes.data,
+            (ctypes.c_int64 * 3)(*translation), (ctypes.c_int64 * 3)(margin, *zones), mode, trial,
+            int(acknowledge), int(idle_abort), len(clocks), clocks.ctypes.data,
         )  # fmt: skip
         self.library.triaxis_offer(ctypes.c_void_p(self.model), ctypes.byref(run))
 
@@ -267,23 +273,27 @@ class MeshEngine:
         self.counts = (counts[0], counts[1])
         return self._player.held(mesh)
 
-    def run(self, translation: Move = (0, 0, 0), margin: int = 0, mode: int = Mode.ALL) -> MeshRun:
-        """Run at a translation of A and a margin, both in LSB.
+    def run(
+        self, translation: Move = (0, 0, 0), margin: int = 0, mode: int = Mode.ALL,
+        zones: tuple[int, int] = NO_ZONES,
+    ) -> MeshRun:  # fmt: skip
+        """Run at a translation of A, a margin, and those of the zones slow and warn, all in LSB.
 
-        Raises InputError where translation or margin are beyond the engine's ports, CoreError where it hangs.
+        Raises InputError where they are beyond the engine's ports, CoreError where it hangs.
         """
         limit = 1 << self.configuration.width
         if not all(-limit <= part < limit for part in translation):
             raise InputError(f"translation {translation}: must be {-limit}..{limit - 1} in each coordinate")
-        if not 0 <= margin <= self.configuration.max_margin:
-            raise InputError(f"margin {margin}: must be 0..{self.configuration.max_margin}")
+        for one in (margin, *zones):
+            if not 0 <= one <= self.configuration.max_margin:
+                raise InputError(f"margin {one}: must be 0..{self.configuration.max_margin}")
         pairs = self.counts[0] * self.counts[1]
         self._player.watch(False, False)
-        self._player.offer(translation, margin, mode)
+        self._player.offer(translation, margin, mode, zones=zones)
         near, summary = self._follow()
         if len(near) > pairs:
             raise CoreError(f"mesh engine {self.configuration.name}: {len(near)} near pairs of {pairs}")
-        return MeshRun(Status(summary[0]), *summary[1:7], near=near)
+        return MeshRun(Status(summary[0]), *summary[1:8], near=near)
 
     def _follow(self) -> tuple[npt.NDArray[np.int64], list[int]]:
         """Run until a summary was taken; return near pairs, and what it says."""

@@ -22,6 +22,8 @@ using triaxis::Symptom;
 constexpr int kCoordinates = 9;
 constexpr int kMoveBits = WIDTH + 1;
 constexpr int kTrialBits = 8;
+constexpr int kZones = 3;
+constexpr int kModeAt = kZones * MARGIN_BITS;
 constexpr uint64_t kIndexMask = (uint64_t{1} << INDEX_BITS) - 1;
 // Words that hold any stream's data, and what a reader of 64 bits reads beyond them.
 constexpr int kWords = (kCoordinates * WIDTH + 31) / 32 + 2;
@@ -35,7 +37,7 @@ constexpr int64_t kPatience = (int64_t{2} << (2 * INDEX_BITS)) + 2000;
 // Kinds of events, and what their numbers are; mesh_engine.py has the same.
 enum Kind : uint32_t {
   kLoaded,    // a: LoadedFlag; values: nine coordinates
-  kAccepted,  // a: AcceptedFlag, since the run before; values: three moves, margin, mode, trial
+  kAccepted,  // a: AcceptedFlag, since the run before; values: three moves, margins of the zones, mode, trial
   kAborted,   // a: the clock of the run
   kSummary,   // values: see NoteSummary
   kReset,
@@ -60,7 +62,7 @@ struct Load {
 // A run, and the clocks after its acceptance in which it is aborted, in order. acknowledge, idle_abort: these are
 // high for a clock before it is offered.
 struct Run {
-  int64_t move[3], margin, mode, trial, acknowledge, idle_abort, num_aborts;
+  int64_t move[3], margins[kZones], mode, trial, acknowledge, idle_abort, num_aborts;
   const int64_t* aborts;
 };
 
@@ -87,6 +89,11 @@ int64_t TakeBits(const uint32_t* words, int position, int width) {
   uint64_t window;
   std::memcpy(&window, reinterpret_cast<const char*>(words) + position / 8, sizeof window);
   return static_cast<int64_t>(window << (64 - width - position % 8)) >> (64 - width);
+}
+
+// Reads a number without a sign.
+int64_t TakeUnsigned(const uint32_t* words, int position, int width) {
+  return width == 0 ? 0 : TakeBits(words, position, width) & ((int64_t{1} << width) - 1);
 }
 
 template <typename Pin>
@@ -252,8 +259,9 @@ class Player {
   void PutRun(int64_t flip) {
     uint32_t data[kWords] = {}, user[kWords] = {};
     for (int k = 0; k < 3; ++k) PutBits(data, k * kMoveBits, kMoveBits, asked_.move[k] ^ flip);
-    PutBits(user, 0, MARGIN_BITS + 2, (asked_.mode << MARGIN_BITS | asked_.margin) ^ flip);
-    PutBits(user, MARGIN_BITS + 2, kTrialBits, asked_.trial ^ flip);
+    for (int z = 0; z < kZones; ++z) PutBits(user, z * MARGIN_BITS, MARGIN_BITS, asked_.margins[z] ^ flip);
+    PutBits(user, kModeAt, 2, asked_.mode ^ flip);
+    PutBits(user, kModeAt + 2, kTrialBits, asked_.trial ^ flip);
     Set(engine_.s_axis_run_tdata_i, data);
     Set(engine_.s_axis_run_tuser_i, user);
   }
@@ -323,10 +331,10 @@ class Player {
     uint32_t words[kWords];
     Get(engine_.s_axis_run_tdata_i, words);
     for (int k = 0; k < 3; ++k) values.push_back(TakeBits(words, k * kMoveBits, kMoveBits));
-    const uint64_t user = engine_.s_axis_run_tuser_i;
-    values.push_back(static_cast<int64_t>(user & ((uint64_t{1} << MARGIN_BITS) - 1)));
-    values.push_back(static_cast<int64_t>(user >> MARGIN_BITS & 3));
-    values.push_back(static_cast<int64_t>(user >> (MARGIN_BITS + 2)));
+    Get(engine_.s_axis_run_tuser_i, words);
+    for (int z = 0; z < kZones; ++z) values.push_back(TakeUnsigned(words, z * MARGIN_BITS, MARGIN_BITS));
+    values.push_back(TakeUnsigned(words, kModeAt, 2));
+    values.push_back(TakeUnsigned(words, kModeAt + 2, kTrialBits));
     seen_run_clock_ = 0;
     aborted_idle_ = acknowledged_ = false;
   }
@@ -373,7 +381,7 @@ class Player {
       events.push_back({kSummary});
       for (const uint64_t value : std::initializer_list<uint64_t>{
                engine_.status_o, engine_.cycles_o, engine_.group_pairs_skipped_o, engine_.group_pairs_opened_o,
-               engine_.pairs_skipped_o, engine_.tested_o, engine_.near_o, seen_clocks_, done_wait_,
+               engine_.pairs_skipped_o, engine_.tested_o, engine_.near_o, engine_.zones_o, seen_clocks_, done_wait_,
                engine_.count_a_o, engine_.count_b_o, engine_.signature_a_o, engine_.signature_b_o, engine_.overfull_o,
                engine_.fault_o, static_cast<uint64_t>(clock_)}) {
         values.push_back(static_cast<int64_t>(value));

@@ -121,7 +121,7 @@ def supervised(folder: Path, segments: int, planted: int, progress: Progress) ->
         moving = SimulatedTool(program, _SPEED, line.now, lambda: top.go)
         stops, said = 0, False
 
-        def permit(translation: tuple[int, int, int], margin: int, hold: int) -> bool:
+        def permit(translation: tuple[int, int, int], margin: int, hold: int, *_: object) -> bool:
             nonlocal stops, said
             before, since = top.go_clocks, top.clocks
             clear = on_board.permit(translation, margin, hold)

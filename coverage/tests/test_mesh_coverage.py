@@ -12,7 +12,7 @@ from triaxis.coverage.report import report
 BUILD = MeshBuild("mesh_test", 16, 16, 64, 8, 4, 8)
 # A complete run of all pairs: two groups against one, some skipped.
 ROW = MeshRow(
-    mode=1, status=1, count_a=16, count_b=5, near=3, group_pairs_skipped=1, group_pairs_opened=1,
+    mode=1, status=1, count_a=16, count_b=5, near=3, zones=3, group_pairs_skipped=1, group_pairs_opened=1,
     rows=2, rows_skipped=1, pairs_skipped=10, tested=30,
 )  # fmt: skip
 
@@ -49,6 +49,15 @@ def hit(row, item, build=BUILD):
         ({"pair_gaps": 1 << 3}, "mesh_pair_gaps", ["x, B above, the margin + 1"]),
         ({}, "mesh_near", ["all / some"]),
         ({"near": 1, "mode": 0, "status": 2}, "mesh_near", ["first / one"]),
+        ({"margin": 3, "slow": 3, "warn": 2}, "mesh_zones", ["as wide / narrower"]),
+        ({"margin": 3, "warn": 4}, "mesh_zones", ["narrower / wider"]),
+        ({"near": 0, "zones": 0}, "mesh_found", ["none / nowhere"]),
+        ({"warn": 1}, "mesh_found", ["warn / within the margin"]),
+        ({"near": 0, "zones": 2, "slow": 1, "warn": 2}, "mesh_found", ["both / in warn"]),
+        ({"near": 0, "slow": 1, "warn": 1}, "mesh_found", ["slow / in slow"]),
+        ({"slow": 1, "status": 3}, "mesh_found", []),
+        ({"slow": 1, "asked_again": 15}, "mesh_again", ["some"]),
+        ({"asked_again": 15}, "mesh_again", []),
         ({"status": 2, "mode": 0, "first_at": 0}, "mesh_first", ["the first"]),
         ({"reloaded": int(Reloaded.ONLY_B)}, "mesh_reload", ["only B"]),
         ({"aborts": int(AbortSeen.DRAINING | AbortSeen.IDLE)}, "mesh_abort", ["draining", "idle"]),

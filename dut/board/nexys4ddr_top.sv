@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // The board Nexys 4 DDR (XC7A100T-1CSG324C): the mesh engine behind a serial line, and the outputs
-// go, stop and beat. See triaxis_board_pkg for the line, triaxis_safety and triaxis_beat for the outputs.
+// go, stop, beat, and what is beyond a zone. See triaxis_board_pkg for the line, triaxis_safety and triaxis_beat for the outputs.
 // LEDs, from the right: 0 go, 1 stop, 2 a run is going on, 3 a host is there, 4 near pairs are
 // waiting, 5 the ring of near pairs is full, 6 the watchdog has run out, 7 something went wrong
 // since the last HELLO or RUN, 8..15 errors on the link, low bits.
@@ -37,7 +37,9 @@ module nexys4ddr_top
     output logic [7:0] an_no,
     output logic go_o,
     output logic stop_o,
-    output logic beat_o
+    output logic beat_o,
+    output logic beyond_slow_o,
+    output logic beyond_warn_o
 );
 
   localparam int unsigned IndexWidth = $clog2(Depth);
@@ -176,12 +178,13 @@ module nexys4ddr_top
 
   logic aborting, run_tvalid, near_tvalid, near_tready, done, engine_fault, fault;
   logic [3*move_width(W)-1:0] run_tdata;
-  logic [$bits(trial_t)+M+1:0] run_tuser;
+  logic [run_user_width(M)-1:0] run_tuser;
   logic [2*IndexWidth-1:0] near_tdata;
   status_e done_status;
   logic [31:0] cycles;
   logic [GroupPairWidth-1:0] groups_skipped, groups_opened;
   logic [PairCountWidth-1:0] pairs_skipped, tested, near_count;
+  logic [Zones-1:1] zones;
 
   summary_t summary, done_summary;
   status_e engine_status, shown_status;
@@ -202,10 +205,11 @@ module nexys4ddr_top
     trial_t trial;
     hold_t hold;
     status_e engine_status;
+    logic [Zones-1:1] zones;
     summary_t summary;
     logic tvalid;
     logic [3*move_width(W)-1:0] tdata;
-    logic [$bits(trial_t)+M+1:0] tuser;
+    logic [run_user_width(M)-1:0] tuser;
   } run_t;
   run_t runs[2];
   logic [RunnerSeenWidth-1:0] runner_seen[2], misread;
@@ -232,12 +236,14 @@ module nexys4ddr_top
         .run_trial_o(runs[i].trial),
         .run_hold_o(runs[i].hold),
         .engine_status_o(runs[i].engine_status),
+        .zones_o(runs[i].zones),
         .summary_o(runs[i].summary),
         .run_tvalid_o(runs[i].tvalid),
         .run_tdata_o(runs[i].tdata),
         .run_tuser_o(runs[i].tuser),
         .done_tvalid_i(done),
         .done_status_i(done_status),
+        .done_zones_i(zones),
         .done_summary_i(done_summary),
         .seen_o(runner_seen[i])
     );
@@ -315,6 +321,7 @@ module nexys4ddr_top
       .pairs_skipped_o(pairs_skipped),
       .tested_o(tested),
       .near_o(near_count),
+      .zones_o(zones),
       .acknowledge_i(hello),
       .fault_o(engine_fault)
   );
@@ -379,6 +386,7 @@ module nexys4ddr_top
   assign status.summary = summary;
   assign status.flags = '{
           none: '0,
+          zones: runs[0].zones,
           fault: fault,
           expired: expired,
           waiting: ring_written != ring_freed,
@@ -434,6 +442,7 @@ module nexys4ddr_top
   assign keep = request.fields[8*RunBytes-1-:$bits(hold_t)] != '0;
 
   logic [1:0] says_go, says_stop;
+  logic [1:0][Zones-1:1] says_beyond;
   for (genvar i = 0; i < 2; i++) begin : g_safety
     (* keep_hierarchy = "yes", dont_touch = "yes" *)
     triaxis_safety #(
@@ -454,13 +463,16 @@ module nexys4ddr_top
         .done_i(done),
         .engine_status_i(done_status),
         .near_i(near_count),
+        .zones_i(zones),
         .hold_i(runs[i].hold),
         .go_o(says_go[i]),
-        .stop_o(says_stop[i])
+        .stop_o(says_stop[i]),
+        .beyond_o(says_beyond[i])
     );
   end
-  assign go_o   = says_go[0];
+  assign go_o = says_go[0];
   assign stop_o = says_stop[1];
+  assign {beyond_warn_o, beyond_slow_o} = says_beyond[0] & says_beyond[1];
   logic unused_said;
   assign unused_said = ^{says_go[1], says_stop[0]};
 

@@ -23,7 +23,7 @@ package triaxis_board_pkg;
 
   typedef logic [7:0] byte_t;
 
-  localparam byte_t ProtocolVersion = 8'd6;
+  localparam byte_t ProtocolVersion = 8'd7;
 
   // --- Framing --------------------------------------------------------------------------------------
 
@@ -65,9 +65,9 @@ package triaxis_board_pkg;
   } code_e;
 
   // Fields of a payload, the longest being RUN's; LOAD's triangles come after its fields.
-  localparam int unsigned FieldBytes = 24;
+  localparam int unsigned FieldBytes = 32;
   localparam int unsigned LoadFieldBytes = 4;
-  localparam int unsigned RunBytes = 24;
+  localparam int unsigned RunBytes = 32;
   localparam int unsigned ResultsBytes = 4;
 
   localparam int unsigned LoadMax = 12;  // triangles a frame
@@ -113,7 +113,7 @@ package triaxis_board_pkg;
     triaxis_mesh_pkg::trial_t trial;
     logic [15:0] count_b;
     logic [15:0] count_a;
-    logic [31:0] margin;
+    logic [triaxis_mesh_pkg::Zones-1:0][31:0] margins;  // of the zones, the margin itself lowest
     byte_t mode;
   } run_fields_t;
 
@@ -123,11 +123,11 @@ package triaxis_board_pkg;
     byte_t number;
   } run_block_t;
 
-  // Of what two runners must have alike: two bits of control, state, mode, margin, trial, pose, hold, number,
-  // status, summary.
+  // Of what two runners must have alike: two bits of control, state, mode, margins, trial, pose, hold, number,
+  // status, zones, summary.
   localparam int unsigned RunnerSeenWidth = 2 + $bits(
       run_state_e
-  ) + 2 + 32 + $bits(
+  ) + 2 + 32 * triaxis_mesh_pkg::Zones + $bits(
       triaxis_mesh_pkg::trial_t
   ) + $bits(
       pose_t
@@ -135,14 +135,15 @@ package triaxis_board_pkg;
       hold_t
   ) + 8 + $bits(
       triaxis_mesh_pkg::status_e
-  ) + $bits(
+  ) + (triaxis_mesh_pkg::Zones - 1) + $bits(
       summary_t
   );
 
   // --- Replies --------------------------------------------------------------------------------------
 
   typedef struct packed {
-    logic [3:0] none;
+    logic [1:0] none;
+    logic [triaxis_mesh_pkg::Zones-1:1] zones;  // zones_o of the last run, see triaxis_mesh
     logic fault;  // a check failed since the last HELLO
     logic expired;  // the watchdog has run out since the last HELLO or RUN
     logic waiting;  // near pairs are in the ring

@@ -69,13 +69,17 @@ module triaxis_judge
   assign load_value = fields_i[7:1] == '0 && load_triangles != '0 && load_triangles <= 8'(LoadMax);
   assign run = fields_i[0+:$bits(run)];
   logic [2:0] fits;
+  logic [Zones-1:0] narrow;
   for (genvar k = 0; k < 3; k++) begin : g_pose
     // The sign and all above it; at W = 32 the sign alone, and all poses fit.
     logic signed [31:0] top;
     assign top = $signed(run.pose[k]) >>> W;
     assign fits[k] = top == '0 || top == '1;
   end
-  assign run_value = run.mode <= 8'(ModeCount) && (run.margin >> M) == '0 && fits == '1;
+  for (genvar z = 0; z < Zones; z++) begin : g_margin
+    assign narrow[z] = (run.margins[z] >> M) == '0;
+  end
+  assign run_value = run.mode <= 8'(ModeCount) && narrow == '1 && fits == '1;
   assign results_value = fields_i[31:0] - freed_i <= written_i - freed_i;
 
   code_e load_code, run_code, command_code;

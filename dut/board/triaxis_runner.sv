@@ -34,21 +34,23 @@ module triaxis_runner
     output trial_t run_trial_o,
     output hold_t run_hold_o,
     output status_e engine_status_o,
+    output logic [Zones-1:1] zones_o,
     output summary_t summary_o,
 
     output logic run_tvalid_o,  // taken at once: no run is going on
     output logic [3*RunBits-1:0] run_tdata_o,
-    output logic [$bits(trial_t)+M+1:0] run_tuser_o,
+    output logic [run_user_width(M)-1:0] run_tuser_o,
     // The summary is taken at once.
     input logic done_tvalid_i,
     input status_e done_status_i,
+    input logic [Zones-1:1] done_zones_i,
     input summary_t done_summary_i,
 
     output logic [RunnerSeenWidth-1:0] seen_o
 );
 
   logic [1:0] mode_q;
-  logic [31:0] margin_q;
+  logic [Zones-1:0][31:0] margins_q;
   trial_t trial_q;
   hold_t hold_q;
   logic waiting_q;  // the engine takes the run in this clock
@@ -57,6 +59,7 @@ module triaxis_runner
   byte_t run_number_q;
   run_state_e run_state_q;
   status_e engine_status_q;
+  logic [Zones-1:1] zones_q;
   summary_t summary_q;
 
   run_fields_t asked;
@@ -68,37 +71,44 @@ module triaxis_runner
   assign run_state_o = run_state_q;
   assign run_mode_o = mode_q;
   assign run_pose_o = pose_q;
-  assign run_margin_o = margin_q;
+  assign run_margin_o = margins_q[ZoneMargin];
   assign run_trial_o = trial_q;
   assign run_hold_o = hold_q;
   assign engine_status_o = engine_status_q;
+  assign zones_o = zones_q;
   assign summary_o = summary_q;
 
   assign run_tvalid_o = waiting_q;
   for (genvar k = 0; k < 3; k++) begin : g_pose
     assign run_tdata_o[k*RunBits+:RunBits] = RunBits'($signed(pose_q[k]));
   end
-  assign run_tuser_o[M+:2] = mode_q;
-  assign run_tuser_o[M+2+:$bits(trial_t)] = trial_q;
-  if (M > 0) begin : g_margin
-    assign run_tuser_o[M-1:0] = margin_q[M-1:0];
+  assign run_tuser_o[Zones*M+:$bits(mode_e)] = mode_q;
+  assign run_tuser_o[Zones*M+$bits(mode_e)+:$bits(trial_t)] = trial_q;
+  if (M > 0) begin : g_margins
+    for (genvar z = 0; z < Zones; z++) begin : g_zone
+      assign run_tuser_o[z*M+:M] = margins_q[z][M-1:0];
+    end
   end
 
   always_ff @(posedge clk_i or negedge rst_ni) begin
     if (!rst_ni) begin
       run_state_q <= RunNever;
+      zones_q     <= '0;
       summary_q   <= '0;
     end else begin
       if (run_i) begin
         run_state_q <= RunGoing;
+        zones_q     <= '0;
         summary_q   <= '0;
       end
       if (done_tvalid_i) begin
         run_state_q <= RunDone;
+        zones_q     <= done_zones_i;
         summary_q   <= done_summary_i;
       end
       if (forget_i) begin
         run_state_q <= RunNever;
+        zones_q     <= '0;
         summary_q   <= '0;
       end
     end
@@ -109,7 +119,7 @@ module triaxis_runner
       waiting_q <= 1'b0;
       aborting_q <= 1'b0;
       mode_q <= '0;
-      margin_q <= '0;
+      margins_q <= '0;
       trial_q <= '0;
       hold_q <= '0;
       pose_q <= '0;
@@ -121,7 +131,7 @@ module triaxis_runner
       else if (abort_i) aborting_q <= busy_o;
       if (run_i) begin
         mode_q <= asked.mode[1:0];
-        margin_q <= asked.margin;
+        margins_q <= asked.margins;
         trial_q <= asked.trial;
         hold_q <= asked.hold;
         pose_q <= asked.pose;
@@ -131,7 +141,7 @@ module triaxis_runner
       if (done_tvalid_i) engine_status_q <= done_status_i;
       if (forget_i) begin
         mode_q <= '0;
-        margin_q <= '0;
+        margins_q <= '0;
         trial_q <= '0;
         hold_q <= '0;
         pose_q <= '0;
@@ -150,12 +160,13 @@ module triaxis_runner
     aborting_q,
     run_state_q,
     mode_q,
-    margin_q,
+    margins_q,
     trial_q,
     hold_q,
     pose_q,
     run_number_q,
     engine_status_q,
+    zones_q,
     summary_q
   };
 

@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Computes: whether the machine may go, and says it on two antivalent outputs. All conditions are
-// here. There are two on the board: go is that of the one, stop that of the other, so that no single bit of
-// either permits anything. Go is said only from the end of a complete run that found nothing near, and only while
+// here. There are two on the board: go is that of the one, stop that of the other, and what is beyond a zone
+// both must say, so that no single bit of either permits anything. Go is said only from the end of a complete run that found nothing near, and only while
 // - nothing was changed since that run began: no LOAD, HELLO or ABORT was accepted, and no RUN but one
 //   that holds (below);
 // - nothing went wrong since that run began: no error on the link, no refused command, no fault of the board;
@@ -14,6 +14,7 @@
 // be: go stays while it goes on, until the deadline of the one before. Ends it clear in time, go stays, and its
 // own hold begins; ends it in another way, go ends with it. Go that has ended so does not come back before a
 // run that begins later.
+// Beyond a zone is said with go where the last clear run looked at that zone, and found nothing in it.
 // Otherwise stop is said: from power-up (the registers are configured so), in reset, and until a
 // later run. Anything that is neither go nor stop on the outputs is a fault, and means stop.
 // Widths: hold_t counts HoldClocks clocks each; within one, 0 .. HoldClocks - 1.
@@ -43,10 +44,12 @@ module triaxis_safety
     input logic done_i,
     input status_e engine_status_i,
     input logic [NearWidth-1:0] near_i,
+    input logic [Zones-1:1] zones_i,
     input hold_t hold_i,
 
     output logic go_o,
-    output logic stop_o
+    output logic stop_o,
+    output logic [Zones-1:1] beyond_o
 );
 
   typedef logic [$clog2(HoldClocks+1)-1:0] part_t;
@@ -91,6 +94,18 @@ module triaxis_safety
       part_q <= part_t'(HoldClocks - 1);
     end else begin
       part_q <= part_q - part_t'(1);
+    end
+  end
+
+  logic [Zones-1:1] zones_d, zones_q;
+  assign zones_d = (armed_q && clear) ? zones_i : zones_q;
+  always_ff @(posedge clk_i or negedge rst_ni) begin
+    if (!rst_ni) begin
+      zones_q  <= '1;
+      beyond_o <= '0;
+    end else begin
+      zones_q  <= zones_d;
+      beyond_o <= go_d ? ~zones_d : '0;
     end
   end
 

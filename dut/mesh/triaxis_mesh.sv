@@ -8,12 +8,15 @@
 // changes no verdict. Streams:
 //   s_axis_load   tuser {clear, mesh}: mesh 0 is A, 1 is B; clear empties it, otherwise tdata, nine
 //                 coordinates, is appended. Not ready during a run.
-//   s_axis_run    tdata {tz, ty, tx}, of W+1 bits each; tuser {trial, mode, margin}, without the margin
-//                 where M = 0; TrialNothing in use
-//   m_axis_near   {index in B, index in A}, in the order of the scan
+//   s_axis_run    tdata {tz, ty, tx}, of W+1 bits each; tuser {trial, mode, warn, slow, margin}, without
+//                 the three margins where M = 0; TrialNothing in use
+//   m_axis_near   {index in B, index in A}, in the order of the scan; in a run with zones not quite
 //   m_axis_done   one summary a run, after its last near pair was taken. Its values stay until the
 //                 next run is accepted; during a run the status is none. A reset clears them, and
 //                 empties both meshes: a run of empty meshes is complete, and nothing in it is near.
+// Zones: warn and slow are wider margins that are looked at in the same run. What is skipped is further than
+// the widest; what is near is within the margin. zones_o {warn, slow} of a complete run: 0 where the zone is
+// wider than the one within it, and nothing is in it.
 // What decides is checked while it does, against single wrong bits: the walk of a run is done twice, and the
 // intake of each mesh, and compared in each clock; all that is kept of a mesh has parity, and between runs is
 // looked at again, see triaxis_mesh_scrub; where Certify is set each "clear" of the core is shown again, see
@@ -58,7 +61,7 @@ module triaxis_mesh
     input logic s_axis_run_tvalid_i,
     output logic s_axis_run_tready_o,
     input logic [3*move_width(W)-1:0] s_axis_run_tdata_i,
-    input logic [$bits(trial_t)+M+1:0] s_axis_run_tuser_i,
+    input logic [run_user_width(M)-1:0] s_axis_run_tuser_i,
     input logic abort_i,
     output logic busy_o,
 
@@ -75,6 +78,7 @@ module triaxis_mesh
     output logic [PairCountWidth-1:0] pairs_skipped_o,
     output logic [PairCountWidth-1:0] tested_o,
     output logic [PairCountWidth-1:0] near_o,
+    output logic [Zones-1:1] zones_o,
 
     input  logic acknowledge_i,
     output logic fault_o
@@ -219,7 +223,10 @@ module triaxis_mesh
   // --- The run, walked twice ------------------------------------------------------------------------------
 
   logic signed [move_width(W)-1:0] move[3];
-  logic [margin_width(M)-1:0] margin, core_margin[2];
+  logic [Zones-1:0][margin_width(M)-1:0] margins;
+  logic [margin_width(M)-1:0] core_margin[2];
+  zone_e core_zone[2], verdict_zone;
+  logic [Zones-1:1] zones[2];
   logic [1:0]
       row_used, box_a_used, triangles_used, walk_core_valid, verdicts_ready, near_valid, done;
   lanes_t words_used[2], boxes_b_used[2];
@@ -241,9 +248,9 @@ module triaxis_mesh
     assign move[k] = s_axis_run_tdata_i[k*move_width(W)+:move_width(W)];
   end
   if (M == 0) begin : g_no_margin
-    assign margin = '0;
+    assign margins = '0;
   end else begin : g_margin
-    assign margin = s_axis_run_tuser_i[M-1:0];
+    assign margins = s_axis_run_tuser_i[Zones*M-1:0];
   end
 
   assign settled = settled_a && settled_b;
@@ -264,8 +271,8 @@ module triaxis_mesh
         .s_axis_run_tvalid_i,
         .s_axis_run_tready_o(run_ready[i]),
         .move_i(move),
-        .margin_i(margin),
-        .mode_i(s_axis_run_tuser_i[M+:2]),
+        .margins_i(margins),
+        .mode_i(s_axis_run_tuser_i[Zones*M+:$bits(mode_e)]),
         .abort_i,
         .busy_o(busy[i]),
         .settled_i(settled),
@@ -301,10 +308,12 @@ module triaxis_mesh
         .core_pair_o(walk_core_pair[i]),
         .core_a_o(walk_core_a[i]),
         .core_b_o(walk_core_b[i]),
+        .core_zone_o(core_zone[i]),
         .core_margin_o(core_margin[i]),
         .verdict_valid_i(verdict_valid),
         .verdict_ready_o(verdicts_ready[i]),
         .verdict_near_i(verdict[0]),
+        .verdict_zone_i(verdict_zone),
         .verdict_pair_i(verdict_pair),
         .m_axis_near_tvalid_o(near_valid[i]),
         .m_axis_near_tready_i,
@@ -318,6 +327,7 @@ module triaxis_mesh
         .pairs_skipped_o(skipped[i]),
         .tested_o(tested[i]),
         .near_o(near[i]),
+        .zones_o(zones[i]),
         .seen_o(seen[i])
     );
   end
@@ -342,6 +352,7 @@ module triaxis_mesh
     walk_core_pair[1],
     walk_core_a[1],
     walk_core_b[1],
+    core_zone[1],
     core_margin[1],
     verdicts_ready[1],
     near_valid[1],
@@ -353,7 +364,8 @@ module triaxis_mesh
     groups_opened[1],
     skipped[1],
     tested[1],
-    near[1]
+    near[1],
+    zones[1]
   };
 
   assign s_axis_run_tready_o = run_ready[0];
@@ -367,6 +379,7 @@ module triaxis_mesh
   assign pairs_skipped_o = skipped[0];
   assign tested_o = tested[0];
   assign near_o = near[0];
+  assign zones_o = zones[0];
 
   // --- Verdicts -----------------------------------------------------------------------------------------
 
@@ -375,13 +388,15 @@ module triaxis_mesh
   assign core_a = walk_core_a[0];
   assign core_b = walk_core_b[0];
 
-  logic [2*IndexWidth+M-1:0] core_user;
+  // The tag of a pair: its numbers, and the zone in which it is asked.
+  localparam int unsigned TagWidth = 2 * IndexWidth + $bits(zone_e);
+  logic [TagWidth+M-1:0] core_user;
   if (M == 0) begin : g_bare_tag
     logic unused_margin;
     assign unused_margin = ^core_margin[0];
-    assign core_user = {core_b, core_a};
+    assign core_user = {core_zone[0], core_b, core_a};
   end else begin : g_tag_margin
-    assign core_user = {core_b, core_a, core_margin[0]};
+    assign core_user = {core_zone[0], core_b, core_a, core_margin[0]};
   end
 
   if (Certify) begin : g_core
@@ -390,7 +405,7 @@ module triaxis_mesh
     triaxis_certified_core #(
         .W(W),
         .M(M),
-        .TAG(2 * IndexWidth),
+        .TAG(TagWidth),
         .EdgeBox(EdgeBox),
         .Gating(Gating)
     ) u_core (
@@ -403,13 +418,13 @@ module triaxis_mesh
         .m_axis_tvalid_o(verdict_valid),
         .m_axis_tready_i(verdicts_ready[0]),
         .m_axis_tdata_o (verdict),
-        .m_axis_tuser_o (verdict_pair)
+        .m_axis_tuser_o ({verdict_zone, verdict_pair})
     );
   end else begin : g_core
     triaxis_core #(
         .W(W),
         .M(M),
-        .TAG(2 * IndexWidth),
+        .TAG(TagWidth),
         .EdgeBox(EdgeBox),
         .Gating(Gating)
     ) u_core (
@@ -422,7 +437,7 @@ module triaxis_mesh
         .m_axis_tvalid_o(verdict_valid),
         .m_axis_tready_i(verdicts_ready[0]),
         .m_axis_tdata_o (verdict),
-        .m_axis_tuser_o (verdict_pair)
+        .m_axis_tuser_o ({verdict_zone, verdict_pair})
     );
   end
 
@@ -439,7 +454,7 @@ module triaxis_mesh
   assign accept = s_axis_run_tvalid_i && s_axis_run_tready_o;
   always_ff @(posedge clk_i or negedge rst_ni) begin
     if (!rst_ni) trial_q <= '0;
-    else if (accept) trial_q <= s_axis_run_tuser_i[M+2+:$bits(trial_t)];
+    else if (accept) trial_q <= s_axis_run_tuser_i[Zones*M+$bits(mode_e)+:$bits(trial_t)];
     // What was to be found is; else the next meshes would be in doubt as well.
     else if (acknowledge_i || stores_broken != '0) trial_q <= '0;
   end

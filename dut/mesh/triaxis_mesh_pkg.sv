@@ -18,6 +18,16 @@ package triaxis_mesh_pkg;
     ModeNone  = 2'd3   // refused
   } mode_e;
 
+  // How near a pair is asked to be. A run has a margin for each; the outer zones only tell, the margin itself is
+  // what the modes and counts are about.
+  typedef enum logic [1:0] {
+    ZoneMargin = 2'd0,
+    ZoneSlow   = 2'd1,
+    ZoneWarn   = 2'd2
+  } zone_e;
+
+  localparam int unsigned Zones = 3;
+
   // Neither all zeros nor all ones means that a run is complete.
   typedef enum logic [2:0] {
     StatusNone     = 3'd0,  // never sent
@@ -76,6 +86,11 @@ package triaxis_mesh_pkg;
     return w + 2;
   endfunction
 
+  // Of a run: {trial, mode, a margin for each zone, the innermost lowest}.
+  function automatic int unsigned run_user_width(int unsigned m);
+    return Zones * m + $bits(mode_e) + $bits(trial_t);
+  endfunction
+
   // Addresses of memories with one word are one constant bit wide.
   function automatic int unsigned address_width(int unsigned words);
     return (words > 1) ? $clog2(words) : 1;
@@ -86,9 +101,10 @@ package triaxis_mesh_pkg;
     return 2 * $clog2(depth) + 5 + 27 * w;
   endfunction
 
-  // Of these what decides, the lowest bits: that a summary is offered, its status, and how many pairs are near.
+  // Of these what decides, the lowest bits: that a summary is offered, its status, zones, and how many pairs
+  // are near.
   function automatic int unsigned summary_width(int unsigned depth);
-    return 1 + $bits(status_e) + 2 * $clog2(depth) + 1;
+    return 1 + $bits(status_e) + (Zones - 1) + 2 * $clog2(depth) + 1;
   endfunction
 
   // Of what two walks must have alike, in the order of triaxis_walk.
@@ -104,7 +120,7 @@ package triaxis_mesh_pkg;
         depth / lanes
     ) + 7 * index_bits;
     int unsigned counts = 2 * (2 * $clog2(depth / group) + 1) + 2 * (2 * index_bits + 1);
-    return m + 11 + addresses + 18 * w + cycle_bits + counts + summary_width(depth);
+    return m + 11 + $bits(zone_e) + addresses + 18 * w + cycle_bits + counts + summary_width(depth);
   endfunction
 
 endpackage

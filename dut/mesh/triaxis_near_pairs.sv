@@ -2,7 +2,9 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Computes: what a run makes of the core's verdicts: counts of tested and of near pairs, and the
-// near pairs themselves as a stream, as the mode asks. first_o stays high once the first near pair
+// near pairs themselves as a stream, as the mode asks. A pair that is near in an outer zone is asked again, in the
+// next zone that no pair is known to be in: again_o. So a run asks few pairs more than once: those that
+// were on their way when the first pair was found in a zone. first_o stays high once the first near pair
 // has ended a run in mode first. What comes while drain_i is high is dropped; a near pair that is
 // offered stays offered.
 // Widths: a number of pairs has 2 log2(Depth) + 1 bits, for Depth^2 itself.
@@ -27,7 +29,15 @@ module triaxis_near_pairs
     input logic verdict_valid_i,
     output logic verdict_ready_o,
     input logic verdict_near_i,
+    input zone_e verdict_zone_i,
     input logic [2*IndexWidth-1:0] verdict_pair_i,
+
+    // wider_i: the zone is wider than the one inside it; zone_o: in which pairs are asked; zones_o: in which
+    // one was found, or that are no wider.
+    input logic [Zones-1:1] wider_i,
+    output zone_e zone_o,
+    output logic [Zones-1:1] zones_o,
+    output logic again_o,
 
     output logic m_axis_near_tvalid_o,
     input logic m_axis_near_tready_i,
@@ -40,14 +50,17 @@ module triaxis_near_pairs
   typedef logic [PairCountWidth-1:0] pair_count_t;
   typedef logic [$clog2(InFlight+1)-1:0] in_flight_t;
 
-  logic drop, take, counted, near_taken, offer;
+  logic drop, take, innermost, near_found, counted, near_taken, offer;
   in_flight_t in_flight_q;
 
   assign drop = drain_i || first_o;
   // A verdict waits only where its pair has to be offered and another one is still on offer.
-  assign verdict_ready_o = drop || !verdict_near_i || !m_axis_near_tvalid_o || m_axis_near_tready_i;
+  assign innermost = verdict_near_i && verdict_zone_i == ZoneMargin;
+  assign verdict_ready_o = drop || !innermost || !m_axis_near_tvalid_o || m_axis_near_tready_i;
   assign take = verdict_valid_i && verdict_ready_o;
-  assign counted = take && !drop;
+  assign near_found = take && !drop && verdict_near_i;
+  assign again_o = near_found && !innermost;
+  assign counted = take && !drop && !again_o;
   assign near_taken = counted && verdict_near_i;
   assign offer = near_taken && mode_i != ModeCount;
 
@@ -77,6 +90,16 @@ module triaxis_near_pairs
       in_flight_q <= in_flight_q + in_flight_t'(issue_i) - in_flight_t'(take);
     end
   end
+
+  always_ff @(posedge clk_i or negedge rst_ni) begin
+    if (!rst_ni) zones_o <= '0;
+    else if (start_i) zones_o <= ~wider_i;
+    else if (near_found) begin
+      zones_o[ZoneWarn] <= 1'b1;
+      if (verdict_zone_i != ZoneWarn) zones_o[ZoneSlow] <= 1'b1;
+    end
+  end
+  assign zone_o = !zones_o[ZoneWarn] ? ZoneWarn : !zones_o[ZoneSlow] ? ZoneSlow : ZoneMargin;
 
   always_ff @(posedge clk_i) begin
     if (offer) m_axis_near_tdata_o <= verdict_pair_i;

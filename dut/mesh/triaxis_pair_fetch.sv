@@ -23,6 +23,7 @@ module triaxis_pair_fetch
     output logic ready_o,
     input logic [IndexWidth-1:0] index_a_i,
     input logic [IndexWidth-1:0] index_b_i,
+    input zone_e zone_i,
 
     output logic read_o,
     output logic used_o,  // the triangles, in this clock
@@ -33,13 +34,15 @@ module triaxis_pair_fetch
     input logic ready_i,
     output logic [18*W-1:0] pair_o,
     output logic [IndexWidth-1:0] index_a_o,
-    output logic [IndexWidth-1:0] index_b_o
+    output logic [IndexWidth-1:0] index_b_o,
+    output zone_e zone_o
 );
 
   typedef logic [IndexWidth-1:0] index_t;
 
   logic enable, read_valid_q;
   index_t read_a_q, read_b_q;
+  zone_e read_zone_q;
   logic [9*W-1:0] moved;
 
   assign enable  = !valid_o || ready_i;
@@ -65,8 +68,10 @@ module triaxis_pair_fetch
     if (enable) begin
       read_a_q <= index_a_i;
       read_b_q <= index_b_i;
+      read_zone_q <= zone_i;
       index_a_o <= read_a_q;
       index_b_o <= read_b_q;
+      zone_o <= read_zone_q;
       pair_o[0+:9*W] <= moved;
       pair_o[9*W+:9*W] <= triangle_b_i;
     end

@@ -4,6 +4,7 @@
 // Computes: the course of a run: accept it, wait until loaded triangles have settled, refuse what
 // cannot be run, scan, drain where it ends early, report. start_o resets the counters and starts
 // the scan.
+// A zone that is not wider than the one within it is as wide as that one, and nothing is ever beyond it.
 // Widths: A moved is compared in W+2 bits signed: |object + move| <= 2^(W-1) + 2^W. Cycles are
 // counted from the accepting edge until the summary is offered, and stay at the largest number.
 // Latency: 3 from the accepting edge to start_o, or to the summary of a run that is refused.
@@ -21,7 +22,7 @@ module triaxis_run_control
     input logic s_axis_run_tvalid_i,
     output logic s_axis_run_tready_o,
     input logic signed [move_width(W)-1:0] move_i[3],
-    input logic [MarginWidth-1:0] margin_i,
+    input logic [Zones-1:0][MarginWidth-1:0] margins_i,
     input logic [1:0] mode_i,
     input logic abort_i,
     output logic busy_o,
@@ -34,7 +35,8 @@ module triaxis_run_control
 
     output logic signed [move_width(W)-1:0] move_o[3],
     output logic signed [grown_width(W)-1:0] shift_o[2][3],
-    output logic [MarginWidth-1:0] margin_o,
+    output logic [Zones-1:0][MarginWidth-1:0] margins_o,
+    output logic [Zones-1:1] wider_o,  // than the zone inside it, once the run was accepted
     output mode_e mode_o,
     output logic clear_o,
     output logic start_o,
@@ -68,6 +70,8 @@ module triaxis_run_control
   status_e status_d;
   logic accept, overflow_d, overflow_q;
   logic [2:0] beyond;
+  logic [Zones-1:0][MarginWidth-1:0] asked_q;
+  logic [MarginWidth-1:0] slow;
 
   assign accept = s_axis_run_tvalid_i && s_axis_run_tready_o;
   assign s_axis_run_tready_o = state_q == StateIdle;
@@ -81,16 +85,25 @@ module triaxis_run_control
 
   always_ff @(posedge clk_i) begin
     if (accept) begin
-      move_o   <= move_i;
-      margin_o <= margin_i;
-      mode_o   <= mode_e'(mode_i);
+      move_o  <= move_i;
+      asked_q <= margins_i;
+      mode_o  <= mode_e'(mode_i);
     end
+  end
+
+  assign wider_o[ZoneSlow] = asked_q[ZoneSlow] > asked_q[ZoneMargin];
+  assign wider_o[ZoneWarn] = asked_q[ZoneWarn] > slow;
+  assign slow = wider_o[ZoneSlow] ? asked_q[ZoneSlow] : asked_q[ZoneMargin];
+  always_ff @(posedge clk_i) begin
+    margins_o[ZoneMargin] <= asked_q[ZoneMargin];
+    margins_o[ZoneSlow]   <= slow;
+    margins_o[ZoneWarn]   <= wider_o[ZoneWarn] ? asked_q[ZoneWarn] : slow;
   end
 
   for (genvar k = 0; k < 3; k++) begin : g_axis
     always_ff @(posedge clk_i) begin
-      shift_o[0][k] <= grown_t'(move_o[k]) - grown_t'({1'b0, margin_o});
-      shift_o[1][k] <= grown_t'(move_o[k]) + grown_t'({1'b0, margin_o});
+      shift_o[0][k] <= grown_t'(move_o[k]) - grown_t'({1'b0, margins_o[ZoneWarn]});
+      shift_o[1][k] <= grown_t'(move_o[k]) + grown_t'({1'b0, margins_o[ZoneWarn]});
     end
     assign beyond[k] = grown_t'(object_a_i[0][k]) + grown_t'(move_o[k]) < Lowest ||
         grown_t'(object_a_i[1][k]) + grown_t'(move_o[k]) > Highest;

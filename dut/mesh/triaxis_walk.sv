@@ -7,7 +7,8 @@
 //   rows    the box of each group of A against the box of the whole of B
 //   words   rows that overlap against the boxes of B's groups, Lanes a clock
 //   boxes   pairs of groups that overlap: each triangle of A against Lanes triangles of B a clock
-//   fetch   pairs that overlap: their vertices, one pair a clock
+//   fetch   pairs that overlap: their vertices, one pair a clock; first those that are asked again, in a
+//           narrower zone, see triaxis_near_pairs
 // A pair is skipped only where a box axis separates it by more than the margin, so skipping
 // changes no verdict. The memories and the core are outside, see triaxis_mesh; so two walks can be held
 // against each other: seen_o, in which all that a walk does shows within the clock, or is counted.
@@ -40,7 +41,7 @@ module triaxis_walk
     input logic s_axis_run_tvalid_i,
     output logic s_axis_run_tready_o,
     input logic signed [move_width(W)-1:0] move_i[3],
-    input logic [margin_width(M)-1:0] margin_i,
+    input logic [Zones-1:0][margin_width(M)-1:0] margins_i,
     input logic [1:0] mode_i,
     input logic abort_i,
     output logic busy_o,
@@ -82,10 +83,12 @@ module triaxis_walk
     output logic [18*W-1:0] core_pair_o,
     output logic [IndexWidth-1:0] core_a_o,
     output logic [IndexWidth-1:0] core_b_o,
+    output zone_e core_zone_o,
     output logic [margin_width(M)-1:0] core_margin_o,
     input logic verdict_valid_i,
     output logic verdict_ready_o,
     input logic verdict_near_i,
+    input zone_e verdict_zone_i,
     input logic [2*IndexWidth-1:0] verdict_pair_i,
 
     output logic m_axis_near_tvalid_o,
@@ -101,6 +104,7 @@ module triaxis_walk
     output logic [PairCountWidth-1:0] pairs_skipped_o,
     output logic [PairCountWidth-1:0] tested_o,
     output logic [PairCountWidth-1:0] near_o,
+    output logic [Zones-1:1] zones_o,
 
     output logic [SeenWidth-1:0] seen_o
 );
@@ -109,6 +113,8 @@ module triaxis_walk
   localparam int unsigned LaneCountWidth = $clog2(Lanes) + 1;
   localparam int unsigned GroupCountWidth = $clog2(Groups) + 1;
   localparam int unsigned QueueDepth = 16;
+  // No pair comes in while one waits to be asked again: so not more wait than were on their way.
+  localparam int unsigned AgainDepth = 2 ** $clog2(InFlight);
 
   typedef logic [IndexWidth-1:0] index_t;
   typedef logic [IndexWidth:0] count_t;
@@ -137,11 +143,13 @@ module triaxis_walk
 
   logic signed [move_width(W)-1:0] move[3];
   logic signed [grown_width(W)-1:0] shift[2][3];
-  logic [margin_width(M)-1:0] margin;
+  logic [Zones-1:0][margin_width(M)-1:0] margins;
+  logic [Zones-1:1] wider;
   mode_e mode;
   logic restart, start, drain, first, idle, groups_idle, empty_a, empty;
   logic rows_idle, words_idle, boxes_idle, near_idle;
   logic pick_group_valid, group_pair_valid, masked_valid, pair_valid;
+  logic again_valid;
 
   assign empty_a = count_a_i == '0;
   assign empty   = empty_a || count_b_i == '0;
@@ -156,7 +164,7 @@ module triaxis_walk
       .s_axis_run_tvalid_i,
       .s_axis_run_tready_o,
       .move_i,
-      .margin_i,
+      .margins_i,
       .mode_i,
       .abort_i,
       .busy_o,
@@ -167,7 +175,8 @@ module triaxis_walk
       .object_a_i,
       .move_o(move),
       .shift_o(shift),
-      .margin_o(margin),
+      .margins_o(margins),
+      .wider_o(wider),
       .mode_o(mode),
       .clear_o(restart),
       .start_o(start),
@@ -182,7 +191,8 @@ module triaxis_walk
 
   // Pairs that are fetched are on their way to a verdict already.
   assign groups_idle = rows_idle && words_idle && !pick_group_valid && !group_pair_valid;
-  assign idle = groups_idle && boxes_idle && !masked_valid && !pair_valid && near_idle;
+  assign idle = groups_idle && boxes_idle && !masked_valid && !pair_valid && !again_valid &&
+      near_idle;
 
   // --- Groups -------------------------------------------------------------------------------------------
 
@@ -362,10 +372,31 @@ module triaxis_walk
 
   // --- Vertices, verdicts ---------------------------------------------------------------------------------
 
-  logic issue;
+  logic issue, again, fetch_ready;
+  zone_e zone;
+  logic [2*IndexWidth-1:0] pair_found, pair_again;
 
-  assign triangle_a_index_o = pair_word.index;
-  assign triangle_b_index_o = index_t'(pair_word.word) * index_t'(Lanes) + index_t'(pair_lane);
+  // It always fits.
+  logic unused_again_ready;
+  triaxis_stream_fifo #(
+      .T(logic [2*IndexWidth-1:0]),
+      .Depth(AgainDepth)
+  ) u_again (
+      .clk_i,
+      .rst_ni,
+      .valid_i(again),
+      .ready_o(unused_again_ready),
+      .data_i (verdict_pair_i),
+      .valid_o(again_valid),
+      .ready_i(fetch_ready || drain),
+      .data_o (pair_again)
+  );
+
+  assign pair_found[IndexWidth-1:0] = pair_word.index;
+  assign pair_found[IndexWidth+:IndexWidth] =
+      index_t'(pair_word.word) * index_t'(Lanes) + index_t'(pair_lane);
+  assign {triangle_b_index_o, triangle_a_index_o} = again_valid ? pair_again : pair_found;
+  assign pair_ready = fetch_ready && !again_valid;
 
   triaxis_pair_fetch #(
       .W(W),
@@ -375,10 +406,11 @@ module triaxis_walk
       .rst_ni,
       .drain_i(drain),
       .move_i(move),
-      .valid_i(pair_valid),
-      .ready_o(pair_ready),
+      .valid_i(pair_valid || again_valid),
+      .ready_o(fetch_ready),
       .index_a_i(triangle_a_index_o),
       .index_b_i(triangle_b_index_o),
+      .zone_i(zone),
       .read_o(triangle_read_o),
       .used_o(triangles_used_o),
       .triangle_a_i,
@@ -387,10 +419,11 @@ module triaxis_walk
       .ready_i(core_ready_i),
       .pair_o(core_pair_o),
       .index_a_o(core_a_o),
-      .index_b_o(core_b_o)
+      .index_b_o(core_b_o),
+      .zone_o(core_zone_o)
   );
 
-  assign core_margin_o = margin;
+  assign core_margin_o = margins[core_zone_o];
 
   // A pair that is fetched while draining is dropped.
   assign issue = triangle_read_o && !drain;
@@ -410,7 +443,12 @@ module triaxis_walk
       .verdict_valid_i,
       .verdict_ready_o,
       .verdict_near_i,
+      .verdict_zone_i,
       .verdict_pair_i,
+      .wider_i(wider),
+      .zone_o (zone),
+      .zones_o,
+      .again_o(again),
       .m_axis_near_tvalid_o,
       .m_axis_near_tready_i,
       .m_axis_near_tdata_o,
@@ -456,6 +494,7 @@ module triaxis_walk
     triangle_read_o ? {triangle_a_index_o, triangle_b_index_o} : (2 * IndexWidth)'(0),
     core_valid_o,
     core_valid_o ? {core_pair_o, core_a_o, core_b_o} : (18 * W + 2 * IndexWidth)'(0),
+    core_valid_o ? core_zone_o : ZoneMargin,
     verdict_ready_o,
     m_axis_near_tvalid_o,
     m_axis_near_tvalid_o ? m_axis_near_tdata_o : (2 * IndexWidth)'(0),
@@ -466,6 +505,7 @@ module triaxis_walk
     tested_o,
     m_axis_done_tvalid_o,
     status_o,
+    zones_o,
     near_o
   };
   if (M > 0) begin : g_seen_margin

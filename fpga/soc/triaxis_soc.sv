@@ -30,7 +30,7 @@ module triaxis_soc
 
     input logic s_axil_awvalid_i,
     output logic s_axil_awready_o,
-    input logic [6:0] s_axil_awaddr_i,
+    input logic [7:0] s_axil_awaddr_i,
     input logic [2:0] s_axil_awprot_i,
     input logic s_axil_wvalid_i,
     output logic s_axil_wready_o,
@@ -41,7 +41,7 @@ module triaxis_soc
     output logic [1:0] s_axil_bresp_o,
     input logic s_axil_arvalid_i,
     output logic s_axil_arready_o,
-    input logic [6:0] s_axil_araddr_i,
+    input logic [7:0] s_axil_araddr_i,
     input logic [2:0] s_axil_arprot_i,
     output logic s_axil_rvalid_o,
     input logic s_axil_rready_i,
@@ -53,7 +53,7 @@ module triaxis_soc
 
   localparam int unsigned IndexWidth = $clog2(Depth);
   localparam int unsigned MoveWidth = move_width(W);
-  localparam int unsigned UserWidth = $bits(trial_t) + M + 2;
+  localparam int unsigned UserWidth = run_user_width(M);
 
   if (Depth < 16 || Depth > 32768) begin : g_bad_depth
     $fatal(1, "Depth must be 16..32768");
@@ -120,9 +120,12 @@ module triaxis_soc
   logic [1:0] overfull;
   logic [2*$clog2(Depth/Group):0] groups_skipped, groups_opened;
   logic [2*IndexWidth:0] skipped, tested, near;
+  logic [Zones-1:1] zones;
 
   logic [8:0] coordinates_fit;
   logic [2:0] moves_fit;
+  logic [Zones-1:0][31:0] margins;
+  logic [Zones-1:0] margins_fit;
 
   for (genvar number = 0; number < 9; number++) begin : g_coordinate
     assign triangle[number*W+:W] = W'(from_bus.VERTEX[number].value.value);
@@ -134,13 +137,17 @@ module triaxis_soc
     assign moves_fit[axis] =
         from_bus.MOVE[axis].value.value == 32'(signed'(move[axis*MoveWidth+:MoveWidth]));
   end
-  if (M > 0) begin : g_margin
-    assign run_user = {trial_q, mode_q, M'(from_bus.MARGIN.value.value)};
-    assign run_fits = &moves_fit && from_bus.MARGIN.value.value == 32'(run_user[M-1:0]);
-  end else begin : g_no_margin
-    assign run_user = {trial_q, mode_q};
-    assign run_fits = &moves_fit && from_bus.MARGIN.value.value == '0;
+  assign margins[ZoneMargin] = from_bus.MARGIN.value.value;
+  assign margins[ZoneSlow]   = from_bus.SLOW.value.value;
+  assign margins[ZoneWarn]   = from_bus.WARN.value.value;
+  for (genvar zone = 0; zone < Zones; zone++) begin : g_zone
+    assign margins_fit[zone] = (margins[zone] >> M) == '0;
+    if (M > 0) begin : g_margin
+      assign run_user[zone*M+:M] = margins[zone][M-1:0];
+    end
   end
+  assign run_user[UserWidth-1:Zones*M] = {trial_q, mode_q};
+  assign run_fits = &moves_fit && &margins_fit;
   assign triangle_fits = &coordinates_fit;
 
   triaxis_mesh #(
@@ -182,6 +189,7 @@ module triaxis_soc
       .pairs_skipped_o(skipped),
       .tested_o(tested),
       .near_o(near),
+      .zones_o(zones),
       .acknowledge_i(from_bus.CONTROL.acknowledge.value),
       .fault_o(fault)
   );
@@ -214,6 +222,8 @@ module triaxis_soc
       !wanted_q.run;
   assign to_bus.STATUS.clear.next = clear;
   assign to_bus.STATUS.result.next = fault ? StatusFault : (void_q ? StatusNone : status);
+  assign to_bus.STATUS.beyond_slow.next = clear && !zones[ZoneSlow];
+  assign to_bus.STATUS.beyond_warn.next = clear && !zones[ZoneWarn];
   assign to_bus.STATUS.overfull_a.next = overfull[0];
   assign to_bus.STATUS.overfull_b.next = overfull[1];
   assign to_bus.COUNT_A.value.next = 32'(count_a);

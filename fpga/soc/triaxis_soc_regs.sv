@@ -16,7 +16,7 @@ module triaxis_soc_regs (
 
         output logic s_axil_awready,
         input wire s_axil_awvalid,
-        input wire [6:0] s_axil_awaddr,
+        input wire [7:0] s_axil_awaddr,
         input wire [2:0] s_axil_awprot,
         output logic s_axil_wready,
         input wire s_axil_wvalid,
@@ -27,7 +27,7 @@ module triaxis_soc_regs (
         output logic [1:0] s_axil_bresp,
         output logic s_axil_arready,
         input wire s_axil_arvalid,
-        input wire [6:0] s_axil_araddr,
+        input wire [7:0] s_axil_araddr,
         input wire [2:0] s_axil_arprot,
         input wire s_axil_rready,
         output logic s_axil_rvalid,
@@ -43,7 +43,7 @@ module triaxis_soc_regs (
     //--------------------------------------------------------------------------
     logic cpuif_req;
     logic cpuif_req_is_wr;
-    logic [6:0] cpuif_addr;
+    logic [7:0] cpuif_addr;
     logic [31:0] cpuif_wr_data;
     logic [31:0] cpuif_wr_biten;
     logic cpuif_req_stall_wr;
@@ -60,10 +60,10 @@ module triaxis_soc_regs (
     logic [1:0] axil_n_in_flight;
     logic axil_prev_was_rd;
     logic axil_arvalid;
-    logic [6:0] axil_araddr;
+    logic [7:0] axil_araddr;
     logic axil_ar_accept;
     logic axil_awvalid;
-    logic [6:0] axil_awaddr;
+    logic [7:0] axil_awaddr;
     logic axil_wvalid;
     logic [31:0] axil_wdata;
     logic [3:0] axil_wstrb;
@@ -141,17 +141,17 @@ module triaxis_soc_regs (
             if(axil_arvalid && !axil_prev_was_rd) begin
                 cpuif_req = '1;
                 cpuif_req_is_wr = '0;
-                cpuif_addr = {axil_araddr[6:2], 2'b0};
+                cpuif_addr = {axil_araddr[7:2], 2'b0};
                 if(!cpuif_req_stall_rd) axil_ar_accept = '1;
             end else if(axil_awvalid && axil_wvalid) begin
                 cpuif_req = '1;
                 cpuif_req_is_wr = '1;
-                cpuif_addr = {axil_awaddr[6:2], 2'b0};
+                cpuif_addr = {axil_awaddr[7:2], 2'b0};
                 if(!cpuif_req_stall_wr) axil_aw_accept = '1;
             end else if(axil_arvalid) begin
                 cpuif_req = '1;
                 cpuif_req_is_wr = '0;
-                cpuif_addr = {axil_araddr[6:2], 2'b0};
+                cpuif_addr = {axil_araddr[7:2], 2'b0};
                 if(!cpuif_req_stall_rd) axil_ar_accept = '1;
             end
         end
@@ -258,12 +258,14 @@ module triaxis_soc_regs (
         logic GROUP_PAIRS_SKIPPED;
         logic GROUP_PAIRS_OPENED;
         logic CYCLES;
+        logic SLOW;
+        logic WARN;
     } decoded_reg_strb_t;
     decoded_reg_strb_t decoded_reg_strb;
     logic decoded_err;
     logic decoded_req_is_external;
 
-    logic [6:0] decoded_addr;
+    logic [7:0] decoded_addr;
     logic decoded_req;
     logic decoded_req_is_wr;
     logic [31:0] decoded_wr_data;
@@ -276,35 +278,37 @@ module triaxis_soc_regs (
         is_external = '0;
         is_valid_addr = '1; // No valid address check
         is_valid_rw = '1; // No valid RW check
-        decoded_reg_strb.IDENTITY = cpuif_req_masked & (cpuif_addr == 7'h0) & !cpuif_req_is_wr;
-        decoded_reg_strb.CONFIGURATION = cpuif_req_masked & (cpuif_addr == 7'h4) & !cpuif_req_is_wr;
-        decoded_reg_strb.STATUS = cpuif_req_masked & (cpuif_addr == 7'h8) & !cpuif_req_is_wr;
-        decoded_reg_strb.INTERRUPT = cpuif_req_masked & (cpuif_addr == 7'hc);
-        decoded_reg_strb.INTERRUPT_ENABLE = cpuif_req_masked & (cpuif_addr == 7'h10);
-        decoded_reg_strb.CONTROL = cpuif_req_masked & (cpuif_addr == 7'h14) & cpuif_req_is_wr;
-        decoded_reg_strb.LOAD = cpuif_req_masked & (cpuif_addr == 7'h18) & cpuif_req_is_wr;
-        is_external |= cpuif_req_masked & (cpuif_addr == 7'h18) & cpuif_req_is_wr;
-        decoded_reg_strb.RUN = cpuif_req_masked & (cpuif_addr == 7'h1c) & cpuif_req_is_wr;
-        is_external |= cpuif_req_masked & (cpuif_addr == 7'h1c) & cpuif_req_is_wr;
+        decoded_reg_strb.IDENTITY = cpuif_req_masked & (cpuif_addr == 8'h0) & !cpuif_req_is_wr;
+        decoded_reg_strb.CONFIGURATION = cpuif_req_masked & (cpuif_addr == 8'h4) & !cpuif_req_is_wr;
+        decoded_reg_strb.STATUS = cpuif_req_masked & (cpuif_addr == 8'h8) & !cpuif_req_is_wr;
+        decoded_reg_strb.INTERRUPT = cpuif_req_masked & (cpuif_addr == 8'hc);
+        decoded_reg_strb.INTERRUPT_ENABLE = cpuif_req_masked & (cpuif_addr == 8'h10);
+        decoded_reg_strb.CONTROL = cpuif_req_masked & (cpuif_addr == 8'h14) & cpuif_req_is_wr;
+        decoded_reg_strb.LOAD = cpuif_req_masked & (cpuif_addr == 8'h18) & cpuif_req_is_wr;
+        is_external |= cpuif_req_masked & (cpuif_addr == 8'h18) & cpuif_req_is_wr;
+        decoded_reg_strb.RUN = cpuif_req_masked & (cpuif_addr == 8'h1c) & cpuif_req_is_wr;
+        is_external |= cpuif_req_masked & (cpuif_addr == 8'h1c) & cpuif_req_is_wr;
         for(int i0=0; i0<9; i0++) begin
-            decoded_reg_strb.VERTEX[i0] = cpuif_req_masked & (cpuif_addr == 7'h20 + (7)'(i0) * 7'h4);
+            decoded_reg_strb.VERTEX[i0] = cpuif_req_masked & (cpuif_addr == 8'h20 + (8)'(i0) * 8'h4);
         end
         for(int i0=0; i0<3; i0++) begin
-            decoded_reg_strb.MOVE[i0] = cpuif_req_masked & (cpuif_addr == 7'h44 + (7)'(i0) * 7'h4);
+            decoded_reg_strb.MOVE[i0] = cpuif_req_masked & (cpuif_addr == 8'h44 + (8)'(i0) * 8'h4);
         end
-        decoded_reg_strb.MARGIN = cpuif_req_masked & (cpuif_addr == 7'h50);
-        decoded_reg_strb.NEAR_PAIR = cpuif_req_masked & (cpuif_addr == 7'h54) & !cpuif_req_is_wr;
-        is_external |= cpuif_req_masked & (cpuif_addr == 7'h54) & !cpuif_req_is_wr;
-        decoded_reg_strb.COUNT_A = cpuif_req_masked & (cpuif_addr == 7'h58) & !cpuif_req_is_wr;
-        decoded_reg_strb.COUNT_B = cpuif_req_masked & (cpuif_addr == 7'h5c) & !cpuif_req_is_wr;
-        decoded_reg_strb.SIGNATURE_A = cpuif_req_masked & (cpuif_addr == 7'h60) & !cpuif_req_is_wr;
-        decoded_reg_strb.SIGNATURE_B = cpuif_req_masked & (cpuif_addr == 7'h64) & !cpuif_req_is_wr;
-        decoded_reg_strb.NEAR = cpuif_req_masked & (cpuif_addr == 7'h68) & !cpuif_req_is_wr;
-        decoded_reg_strb.TESTED = cpuif_req_masked & (cpuif_addr == 7'h6c) & !cpuif_req_is_wr;
-        decoded_reg_strb.PAIRS_SKIPPED = cpuif_req_masked & (cpuif_addr == 7'h70) & !cpuif_req_is_wr;
-        decoded_reg_strb.GROUP_PAIRS_SKIPPED = cpuif_req_masked & (cpuif_addr == 7'h74) & !cpuif_req_is_wr;
-        decoded_reg_strb.GROUP_PAIRS_OPENED = cpuif_req_masked & (cpuif_addr == 7'h78) & !cpuif_req_is_wr;
-        decoded_reg_strb.CYCLES = cpuif_req_masked & (cpuif_addr == 7'h7c) & !cpuif_req_is_wr;
+        decoded_reg_strb.MARGIN = cpuif_req_masked & (cpuif_addr == 8'h50);
+        decoded_reg_strb.NEAR_PAIR = cpuif_req_masked & (cpuif_addr == 8'h54) & !cpuif_req_is_wr;
+        is_external |= cpuif_req_masked & (cpuif_addr == 8'h54) & !cpuif_req_is_wr;
+        decoded_reg_strb.COUNT_A = cpuif_req_masked & (cpuif_addr == 8'h58) & !cpuif_req_is_wr;
+        decoded_reg_strb.COUNT_B = cpuif_req_masked & (cpuif_addr == 8'h5c) & !cpuif_req_is_wr;
+        decoded_reg_strb.SIGNATURE_A = cpuif_req_masked & (cpuif_addr == 8'h60) & !cpuif_req_is_wr;
+        decoded_reg_strb.SIGNATURE_B = cpuif_req_masked & (cpuif_addr == 8'h64) & !cpuif_req_is_wr;
+        decoded_reg_strb.NEAR = cpuif_req_masked & (cpuif_addr == 8'h68) & !cpuif_req_is_wr;
+        decoded_reg_strb.TESTED = cpuif_req_masked & (cpuif_addr == 8'h6c) & !cpuif_req_is_wr;
+        decoded_reg_strb.PAIRS_SKIPPED = cpuif_req_masked & (cpuif_addr == 8'h70) & !cpuif_req_is_wr;
+        decoded_reg_strb.GROUP_PAIRS_SKIPPED = cpuif_req_masked & (cpuif_addr == 8'h74) & !cpuif_req_is_wr;
+        decoded_reg_strb.GROUP_PAIRS_OPENED = cpuif_req_masked & (cpuif_addr == 8'h78) & !cpuif_req_is_wr;
+        decoded_reg_strb.CYCLES = cpuif_req_masked & (cpuif_addr == 8'h7c) & !cpuif_req_is_wr;
+        decoded_reg_strb.SLOW = cpuif_req_masked & (cpuif_addr == 8'h80);
+        decoded_reg_strb.WARN = cpuif_req_masked & (cpuif_addr == 8'h84);
         decoded_err = '0;
         decoded_req_is_external = is_external;
     end
@@ -400,6 +404,18 @@ module triaxis_soc_regs (
                 logic load_next;
             } value;
         } MARGIN;
+        struct {
+            struct {
+                logic [31:0] next;
+                logic load_next;
+            } value;
+        } SLOW;
+        struct {
+            struct {
+                logic [31:0] next;
+                logic load_next;
+            } value;
+        } WARN;
     } field_combo_t;
     field_combo_t field_combo;
 
@@ -455,6 +471,16 @@ module triaxis_soc_regs (
                 logic [31:0] value;
             } value;
         } MARGIN;
+        struct {
+            struct {
+                logic [31:0] value;
+            } value;
+        } SLOW;
+        struct {
+            struct {
+                logic [31:0] value;
+            } value;
+        } WARN;
     } field_storage_t;
     field_storage_t field_storage;
 
@@ -795,6 +821,52 @@ module triaxis_soc_regs (
 
     assign hwif_out.NEAR_PAIR.req = !decoded_req_is_wr ? decoded_reg_strb.NEAR_PAIR : '0;
     assign hwif_out.NEAR_PAIR.req_is_wr = decoded_req_is_wr;
+    // Field: triaxis_soc_regs.SLOW.value
+    always_comb begin
+        automatic logic [31:0] next_c;
+        automatic logic load_next_c;
+        next_c = field_storage.SLOW.value.value;
+        load_next_c = '0;
+        if(decoded_reg_strb.SLOW && decoded_req_is_wr) begin // SW write
+            next_c = (field_storage.SLOW.value.value & ~decoded_wr_biten[31:0]) | (decoded_wr_data[31:0] & decoded_wr_biten[31:0]);
+            load_next_c = '1;
+        end
+        field_combo.SLOW.value.next = next_c;
+        field_combo.SLOW.value.load_next = load_next_c;
+    end
+    always_ff @(posedge clk or negedge arst_n) begin
+        if(~arst_n) begin
+            field_storage.SLOW.value.value <= 32'h0;
+        end else begin
+            if(field_combo.SLOW.value.load_next) begin
+                field_storage.SLOW.value.value <= field_combo.SLOW.value.next;
+            end
+        end
+    end
+    assign hwif_out.SLOW.value.value = field_storage.SLOW.value.value;
+    // Field: triaxis_soc_regs.WARN.value
+    always_comb begin
+        automatic logic [31:0] next_c;
+        automatic logic load_next_c;
+        next_c = field_storage.WARN.value.value;
+        load_next_c = '0;
+        if(decoded_reg_strb.WARN && decoded_req_is_wr) begin // SW write
+            next_c = (field_storage.WARN.value.value & ~decoded_wr_biten[31:0]) | (decoded_wr_data[31:0] & decoded_wr_biten[31:0]);
+            load_next_c = '1;
+        end
+        field_combo.WARN.value.next = next_c;
+        field_combo.WARN.value.load_next = load_next_c;
+    end
+    always_ff @(posedge clk or negedge arst_n) begin
+        if(~arst_n) begin
+            field_storage.WARN.value.value <= 32'h0;
+        end else begin
+            if(field_combo.WARN.value.load_next) begin
+                field_storage.WARN.value.value <= field_combo.WARN.value.next;
+            end
+        end
+    end
+    assign hwif_out.WARN.value.value = field_storage.WARN.value.value;
 
     //--------------------------------------------------------------------------
     // Write response
@@ -825,8 +897,8 @@ module triaxis_soc_regs (
 
     assign readback_external_rd_ack = readback_external_rd_ack_c;
 
-    logic [6:0] rd_mux_addr;
-    logic [6:0] pending_rd_addr;
+    logic [7:0] rd_mux_addr;
+    logic [7:0] pending_rd_addr;
     // Hold read mux address to guarantee it is stable throughout any external accesses
     always_ff @(posedge clk or negedge arst_n) begin
         if(~arst_n) begin
@@ -843,16 +915,16 @@ module triaxis_soc_regs (
     always_comb begin
         automatic logic [31:0] readback_data_var;
         readback_data_var = '0;
-        if(rd_mux_addr == 7'h0) begin
+        if(rd_mux_addr == 8'h0) begin
             readback_data_var[31:0] = 32'h54524958;
         end
-        if(rd_mux_addr == 7'h4) begin
+        if(rd_mux_addr == 8'h4) begin
             readback_data_var[5:0] = hwif_in.CONFIGURATION.width.next;
             readback_data_var[11:6] = hwif_in.CONFIGURATION.margin.next;
             readback_data_var[16:12] = hwif_in.CONFIGURATION.log2_depth.next;
             readback_data_var[17] = hwif_in.CONFIGURATION.certify.next;
         end
-        if(rd_mux_addr == 7'h8) begin
+        if(rd_mux_addr == 8'h8) begin
             readback_data_var[0] = hwif_in.STATUS.busy.next;
             readback_data_var[1] = hwif_in.STATUS.near_waits.next;
             readback_data_var[2] = hwif_in.STATUS.fault.next;
@@ -862,64 +934,72 @@ module triaxis_soc_regs (
             readback_data_var[6] = hwif_in.STATUS.incomplete_b.next;
             readback_data_var[7] = hwif_in.STATUS.clear.next;
             readback_data_var[10:8] = hwif_in.STATUS.result.next;
+            readback_data_var[11] = hwif_in.STATUS.beyond_slow.next;
+            readback_data_var[12] = hwif_in.STATUS.beyond_warn.next;
         end
-        if(rd_mux_addr == 7'hc) begin
+        if(rd_mux_addr == 8'hc) begin
             readback_data_var[0] = field_storage.INTERRUPT.done.value;
             readback_data_var[1] = field_storage.INTERRUPT.fault.value;
             readback_data_var[2] = field_storage.INTERRUPT.refused.value;
             readback_data_var[3] = field_storage.INTERRUPT.near_waits.value;
         end
-        if(rd_mux_addr == 7'h10) begin
+        if(rd_mux_addr == 8'h10) begin
             readback_data_var[0] = field_storage.INTERRUPT_ENABLE.done.value;
             readback_data_var[1] = field_storage.INTERRUPT_ENABLE.fault.value;
             readback_data_var[2] = field_storage.INTERRUPT_ENABLE.refused.value;
             readback_data_var[3] = field_storage.INTERRUPT_ENABLE.near_waits.value;
         end
         for(int i0=0; i0<9; i0++) begin
-            if(rd_mux_addr == 7'h20 + (7)'(i0) * 7'h4) begin
+            if(rd_mux_addr == 8'h20 + (8)'(i0) * 8'h4) begin
                 readback_data_var[31:0] = field_storage.VERTEX[i0].value.value;
             end
         end
         for(int i0=0; i0<3; i0++) begin
-            if(rd_mux_addr == 7'h44 + (7)'(i0) * 7'h4) begin
+            if(rd_mux_addr == 8'h44 + (8)'(i0) * 8'h4) begin
                 readback_data_var[31:0] = field_storage.MOVE[i0].value.value;
             end
         end
-        if(rd_mux_addr == 7'h50) begin
+        if(rd_mux_addr == 8'h50) begin
             readback_data_var[31:0] = field_storage.MARGIN.value.value;
         end
-        if(rd_mux_addr == 7'h54) begin
+        if(rd_mux_addr == 8'h54) begin
             readback_data_var = hwif_in.NEAR_PAIR.rd_data;
         end
-        if(rd_mux_addr == 7'h58) begin
+        if(rd_mux_addr == 8'h58) begin
             readback_data_var[31:0] = hwif_in.COUNT_A.value.next;
         end
-        if(rd_mux_addr == 7'h5c) begin
+        if(rd_mux_addr == 8'h5c) begin
             readback_data_var[31:0] = hwif_in.COUNT_B.value.next;
         end
-        if(rd_mux_addr == 7'h60) begin
+        if(rd_mux_addr == 8'h60) begin
             readback_data_var[31:0] = hwif_in.SIGNATURE_A.value.next;
         end
-        if(rd_mux_addr == 7'h64) begin
+        if(rd_mux_addr == 8'h64) begin
             readback_data_var[31:0] = hwif_in.SIGNATURE_B.value.next;
         end
-        if(rd_mux_addr == 7'h68) begin
+        if(rd_mux_addr == 8'h68) begin
             readback_data_var[31:0] = hwif_in.NEAR.value.next;
         end
-        if(rd_mux_addr == 7'h6c) begin
+        if(rd_mux_addr == 8'h6c) begin
             readback_data_var[31:0] = hwif_in.TESTED.value.next;
         end
-        if(rd_mux_addr == 7'h70) begin
+        if(rd_mux_addr == 8'h70) begin
             readback_data_var[31:0] = hwif_in.PAIRS_SKIPPED.value.next;
         end
-        if(rd_mux_addr == 7'h74) begin
+        if(rd_mux_addr == 8'h74) begin
             readback_data_var[31:0] = hwif_in.GROUP_PAIRS_SKIPPED.value.next;
         end
-        if(rd_mux_addr == 7'h78) begin
+        if(rd_mux_addr == 8'h78) begin
             readback_data_var[31:0] = hwif_in.GROUP_PAIRS_OPENED.value.next;
         end
-        if(rd_mux_addr == 7'h7c) begin
+        if(rd_mux_addr == 8'h7c) begin
             readback_data_var[31:0] = hwif_in.CYCLES.value.next;
+        end
+        if(rd_mux_addr == 8'h80) begin
+            readback_data_var[31:0] = field_storage.SLOW.value.value;
+        end
+        if(rd_mux_addr == 8'h84) begin
+            readback_data_var[31:0] = field_storage.WARN.value.value;
         end
         readback_data = readback_data_var;
         readback_done = decoded_req & ~decoded_req_is_wr & ~decoded_req_is_external;

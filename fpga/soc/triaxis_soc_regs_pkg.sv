@@ -13,8 +13,8 @@
 package triaxis_soc_regs_pkg;
 
     localparam TRIAXIS_SOC_REGS_DATA_WIDTH = 32;
-    localparam TRIAXIS_SOC_REGS_MIN_ADDR_WIDTH = 7;
-    localparam TRIAXIS_SOC_REGS_SIZE = 'h80;
+    localparam TRIAXIS_SOC_REGS_MIN_ADDR_WIDTH = 8;
+    localparam TRIAXIS_SOC_REGS_SIZE = 'h88;
 
     typedef struct {
         logic [5:0] next;
@@ -76,6 +76,14 @@ package triaxis_soc_regs_pkg;
     } triaxis_soc_regs__STATUS__result__in_t;
 
     typedef struct {
+        logic next;
+    } triaxis_soc_regs__STATUS__beyond_slow__in_t;
+
+    typedef struct {
+        logic next;
+    } triaxis_soc_regs__STATUS__beyond_warn__in_t;
+
+    typedef struct {
         triaxis_soc_regs__STATUS__busy__in_t busy;
         triaxis_soc_regs__STATUS__near_waits__in_t near_waits;
         triaxis_soc_regs__STATUS__fault__in_t fault;
@@ -85,6 +93,8 @@ package triaxis_soc_regs_pkg;
         triaxis_soc_regs__STATUS__incomplete_b__in_t incomplete_b;
         triaxis_soc_regs__STATUS__clear__in_t clear;
         triaxis_soc_regs__STATUS__result__in_t result;
+        triaxis_soc_regs__STATUS__beyond_slow__in_t beyond_slow;
+        triaxis_soc_regs__STATUS__beyond_warn__in_t beyond_warn;
     } triaxis_soc_regs__STATUS__in_t;
 
     typedef struct {
@@ -343,6 +353,22 @@ package triaxis_soc_regs_pkg;
     } triaxis_soc_regs__NEAR_PAIR__external__out_t;
 
     typedef struct {
+        logic [31:0] value;
+    } triaxis_soc_regs__SLOW__value__out_t;
+
+    typedef struct {
+        triaxis_soc_regs__SLOW__value__out_t value;
+    } triaxis_soc_regs__SLOW__out_t;
+
+    typedef struct {
+        logic [31:0] value;
+    } triaxis_soc_regs__WARN__value__out_t;
+
+    typedef struct {
+        triaxis_soc_regs__WARN__value__out_t value;
+    } triaxis_soc_regs__WARN__out_t;
+
+    typedef struct {
         triaxis_soc_regs__INTERRUPT__out_t INTERRUPT;
         triaxis_soc_regs__INTERRUPT_ENABLE__out_t INTERRUPT_ENABLE;
         triaxis_soc_regs__CONTROL__out_t CONTROL;
@@ -352,6 +378,8 @@ package triaxis_soc_regs_pkg;
         triaxis_soc_regs__MOVE__out_t MOVE[3];
         triaxis_soc_regs__MARGIN__out_t MARGIN;
         triaxis_soc_regs__NEAR_PAIR__external__out_t NEAR_PAIR;
+        triaxis_soc_regs__SLOW__out_t SLOW;
+        triaxis_soc_regs__WARN__out_t WARN;
     } triaxis_soc_regs__out_t;
 endpackage
 

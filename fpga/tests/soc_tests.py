@@ -5,6 +5,7 @@ The register model is where Python looks for modules; the parameters are those t
 
 import zlib
 from importlib import import_module
+from itertools import product
 from typing import Any
 
 import cocotb
@@ -31,6 +32,7 @@ NONE, COMPLETE, FIRST, ABORTED, OVERFLOW, OVERFULL, BAD_MODE, FAULT = range(8)
 MODE_FIRST, MODE_ALL, MODE_COUNT, MODE_NONE = range(4)
 DONE, FAULTED, REFUSED, NEAR_WAITS = 1, 2, 4, 8
 A, B, CLEAR = 0, 1, 2
+MARGINS = ("MARGIN", "SLOW", "WARN")
 # triaxis_mesh_pkg: kind 4: the triangles of A where a run uses them; the CRC of the scrub after a run.
 TRY_MEMORY, TRY_SCRUB = 4 << 5 | 4, 4 << 5 | 16
 
@@ -107,8 +109,9 @@ class Status:
             word >> 3 & 3,
             word >> 5 & 3,
             word >> 7 & 1,
-            word >> 8,
+            word >> 8 & 7,
         )
+        self.beyond_slow, self.beyond_warn = word >> 11 & 1, word >> 12
 
 
 class Registers(uvm_test):
@@ -153,10 +156,11 @@ class Registers(uvm_test):
                 await self.write(coordinate, "VERTEX", number)
             await self.write(mesh, "LOAD")
 
-    async def begin(self, mode, move=(0, 0, 0), margin=0, trial=0):
+    async def begin(self, mode, move=(0, 0, 0), margin=0, trial=0, zones=(0, 0)):
         for axis, by in enumerate(move):
             await self.write(by, "MOVE", axis)
-        await self.write(margin, "MARGIN")
+        for name, value in zip(MARGINS, (margin, *zones), strict=True):
+            await self.write(value, name)
         await self.write(trial << 8 | mode, "RUN")
 
     async def status(self):
@@ -169,6 +173,7 @@ class Registers(uvm_test):
         while True:
             status = await self.status()
             assert not (status.clear and (status.busy or found))
+            assert status.clear or not (status.beyond_slow or status.beyond_warn)
             if status.near_waits:
                 pair = await self.read("NEAR_PAIR")
                 found.append((pair & 0xFFFF, pair >> 16))
@@ -195,6 +200,13 @@ class Registers(uvm_test):
         near = bulk_facts(pairs, np.full(len(pairs), margin)).separating == 0
         return {divmod(int(number), len(b)) for number in np.flatnonzero(near)}
 
+    def beyond(self, a, b, move, margin, slow, warn):
+        """Return which zones, slow and warn, two meshes are beyond: of those wider than the one within."""
+        return (
+            slow > margin and not self.near(a, b, move, slow),
+            warn > max(margin, slow) and not self.near(a, b, move, warn),
+        )
+
     def signature(self, triangles):
         size = -(-self.width // 8)
         return zlib.crc32(
@@ -218,7 +230,8 @@ class SocRegistersTest(Registers):
                 if register.get_rights() != "WO":
                     status, value = await register.read()
                     assert (status, value) == (uvm_status_e.UVM_IS_OK, register.get_reset()), name
-        kept = [("VERTEX", k) for k in range(9)] + [("MOVE", k) for k in range(3)] + [("MARGIN", None)]
+        kept = [("VERTEX", k) for k in range(9)] + [("MOVE", k) for k in range(3)]
+        kept += [(name, None) for name in MARGINS]
         values = {place: int(self.rng.integers(0, 1 << 32)) for place in kept}
         for place, value in values.items():
             await self.write(value, *place)
@@ -257,18 +270,21 @@ class SocScenesTest(Registers):
                     for k in range(3)
                 ]
                 move = [by // 8 for by in move] if turn % 2 else move
-                margin = int(self.rng.integers(0, 1 << self.margin_bits)) // 2
+                margin, *zones = (int(m) // 2 for m in self.rng.integers(0, 1 << self.margin_bits, 3))
                 due = self.near(a, b, move, margin)
                 await self.write(DONE, "INTERRUPT")
-                await self.begin(mode, move, margin)
+                await self.begin(mode, move, margin, zones=zones)
                 found, result = await self.end()
                 assert await self.read("INTERRUPT") & DONE
-                said = f"{turn}: mode {mode}, move {move}, margin {margin}"
+                said = f"{turn}: mode {mode}, move {move}, margin {margin}, zones {zones}"
                 if mode == MODE_FIRST and due:
                     assert (result, len(found)) == (FIRST, 1) and set(found) <= due, said
                     continue
                 assert result == COMPLETE and await self.read("NEAR") == len(due), said
-                assert (await self.status()).clear == (not due), said
+                status = await self.status()
+                assert status.clear == (not due), said
+                told = status.beyond_slow, status.beyond_warn
+                assert told == self.beyond(a, b, move, margin, *zones), said
                 assert sorted(found) == (sorted(due) if mode != MODE_COUNT else []), said
                 groups = await self.read("GROUP_PAIRS_SKIPPED") + await self.read("GROUP_PAIRS_OPENED")
                 assert await self.read("TESTED") + await self.read("PAIRS_SKIPPED") <= len(a) * len(b)
@@ -276,6 +292,40 @@ class SocScenesTest(Registers):
                 assert await self.read("CYCLES") > 0
                 seen += len(due)
         assert seen, "no near pair in any scene"
+
+
+@pyuvm.test()
+class SocZonesTest(Registers):
+    """Zones are exact, in whatever order they are asked for, and change nothing of what is near."""
+
+    async def check(self):
+        told = set()
+        largest = min((1 << self.margin_bits) - 1, 15)
+        for _ in range(2):
+            a, b = (self.rng.integers(-9, 10, (count, 3, 3)) for count in (4, 5))
+            await self.load(A, a)
+            await self.load(B, b)
+            move, apart = (0, 0, 0), 0
+            # So far apart that all zones around that distance can be asked for.
+            while largest and not 2 < apart < largest:
+                move = tuple(int(by) for by in self.rng.integers(-30, 31, 3))
+                apart = next((m for m in range(largest + 1) if self.near(a, b, move, m)), 0)
+            choices = sorted({0, max(apart - 2, 0), max(apart - 1, 0), apart, largest})
+            for margin, slow, warn in product(choices, repeat=3):
+                due = self.near(a, b, move, margin)
+                mode = int(self.rng.choice((MODE_ALL, MODE_COUNT)))
+                await self.begin(mode, move, margin, zones=(slow, warn))
+                found, result = await self.end()
+                status, near = await self.status(), await self.read("NEAR")
+                said = f"mode {mode}, move {move}, margin {margin}, slow {slow}, warn {warn}"
+                assert (result, near, status.clear) == (COMPLETE, len(due), not due), said
+                assert sorted(found) == (sorted(due) if mode == MODE_ALL else []), said
+                beyond = status.beyond_slow, status.beyond_warn
+                assert beyond == self.beyond(a, b, move, margin, slow, warn), said
+                told.add((bool(due), *beyond))
+        if largest:
+            clear = {(False, slow, warn) for slow in range(2) for warn in range(2)}
+            assert told == {(True, 0, 0), *clear}, told
 
 
 @pyuvm.test()
@@ -349,9 +399,9 @@ class SocRefusalsTest(Registers):
                 for sign in (self.width + 1,)
             ),
             *((("VERTEX", k), 0, by) for k in range(9) for by in (low - 1, high + 1)),
-            *((("MARGIN", None), 0, by) for by in (largest + 1, 1 << 31)),
+            *(((name, None), 0, by) for name in MARGINS for by in (largest + 1, 1 << 31)),
         ]:
-            if not -(1 << 31) <= wrong < (1 << 31) + (place[0] == "MARGIN"):
+            if not -(1 << 31) <= wrong < (1 << 31) + (place[0] in MARGINS):
                 continue
             await self.write(REFUSED, "INTERRUPT")
             before = [await self.read(name) for name in ("COUNT_B", "SIGNATURE_B", "CYCLES")]
@@ -367,9 +417,10 @@ class SocRefusalsTest(Registers):
                 await self.load(B, np.zeros((2, 3, 3), np.int64))
             await self.begin(MODE_COUNT)
             assert await self.end() == ([], COMPLETE)
-        await self.write(largest, "MARGIN")
-        await self.write(MODE_COUNT, "RUN")
-        assert await self.end() == ([], COMPLETE)
+        for name in MARGINS:
+            await self.write(largest, name)
+            await self.write(MODE_COUNT, "RUN")
+            assert await self.end() == ([], COMPLETE)
         # A mesh is emptied whatever is in the registers.
         await self.write(high + 1 if self.width < 32 else 0, "VERTEX", 0)
         await self.write(REFUSED, "INTERRUPT")

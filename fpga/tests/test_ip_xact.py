@@ -35,9 +35,12 @@ def texts(root, path):
 
 def test_the_file_has_what_the_module_has(written):
     one, folder, root = written
-    names, lefts = texts(root, ".//i:port/i:name"), {}
+    names, lefts, rights = texts(root, ".//i:port/i:name"), {}, {}
     for port in root.findall(".//i:port", NAMES):
-        lefts[port.findtext("i:name", None, NAMES)] = int(port.findtext(".//i:left", "0", NAMES))
+        name = port.findtext("i:name", None, NAMES)
+        lefts[name], rights[name] = (
+            int(port.findtext(f".//i:{end}", "0", NAMES)) for end in ("left", "right")
+        )
     header = re.search(
         rf"module {one.top}\b.*?\n\);", (folder / "rtl" / f"{one.top}.sv").read_text(), re.DOTALL
     )
@@ -48,9 +51,12 @@ def test_the_file_has_what_the_module_has(written):
     wanted = {
         "triaxis_core": {"s_axis_tdata_i": 18 * 18 + 3, "s_axis_tuser_i": 20, "m_axis_tuser_o": 2},
         "triaxis_certified_core": {"s_axis_tdata_i": 18 * 24 - 1, "m_axis_tdata_o": 15, "clk_i": 0},
-        "triaxis_mesh": {"s_axis_load_tdata_i": 9 * width - 1, "count_a_o": 6, "near_o": 12},
+        "triaxis_mesh": {"s_axis_load_tdata_i": 9 * width - 1, "count_a_o": 6, "near_o": 12, "zones_o": 2},
     }[one.top]
     assert {name: lefts[name] for name in wanted} == wanted
+    assert {name: end for name, end in rights.items() if end} == (
+        {"zones_o": 1} if one.top == "triaxis_mesh" else {}
+    )
     values = dict(
         zip(
             texts(root, ".//i:moduleParameter/i:name"),

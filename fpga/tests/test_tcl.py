@@ -196,7 +196,8 @@ def test_every_port_is_on_its_published_pin_once_with_the_standard_of_its_bank()
     assert properties("PACKAGE_PIN") == sorted(PORTS.items())
     assert properties("IOSTANDARD") == [(port, BOARD["io_standard"]) for port in sorted(PORTS)]
     # Go falls and stop rises where nothing drives them.
-    pulls = {"go_o": "PULLDOWN", "stop_o": "PULLUP", "beat_o": "PULLDOWN", "uart_rx_i": "PULLUP"}
+    pulls = {"stop_o": "PULLUP", "uart_rx_i": "PULLUP"}
+    pulls |= dict.fromkeys(("go_o", "beat_o", "beyond_slow_o", "beyond_warn_o"), "PULLDOWN")
     assert dict(properties("PULLTYPE")) == pulls
     assert ("set_property", "CFGBVS", "VCCO", "") in calls
     assert ("set_property", "CONFIG_VOLTAGE", "3.3", "") in calls

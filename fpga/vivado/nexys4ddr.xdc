@@ -57,7 +57,7 @@ set_property -dict {PACKAGE_PIN T14 IOSTANDARD LVCMOS33} [get_ports {an_no[5]}]
 set_property -dict {PACKAGE_PIN K2 IOSTANDARD LVCMOS33} [get_ports {an_no[6]}]
 set_property -dict {PACKAGE_PIN U13 IOSTANDARD LVCMOS33} [get_ports {an_no[7]}]
 
-# --- Collision output: Pmod JA, pin 1 go, pin 2 stop, pin 3 beat ----------------------------------
+# --- Collision output: Pmod JA, pin 1 go, 2 stop, 3 beat, 4 and 7 beyond slow and warn --------------
 #
 # Go is go high together with stop low; anything else means stop. The resistors in the FPGA hold both
 # pins at stop while a configured device does not drive them. They do nothing before configuration: an
@@ -70,13 +70,18 @@ set_property -dict {PACKAGE_PIN U13 IOSTANDARD LVCMOS33} [get_ports {an_no[7]}]
 #     both alike for longer than a change takes is a fault to be reported;
 #   - where the board's oscillator may fail: a retriggerable monostable on beat, of some milliseconds,
 #     without which go does not count.
+# Beyond a zone is high together with go; a wire that is open is low, which is inside it.
 
 set_property -dict {PACKAGE_PIN C17 IOSTANDARD LVCMOS33} [get_ports {go_o}]
 set_property -dict {PACKAGE_PIN D18 IOSTANDARD LVCMOS33} [get_ports {stop_o}]
 set_property -dict {PACKAGE_PIN E18 IOSTANDARD LVCMOS33} [get_ports {beat_o}]
+set_property -dict {PACKAGE_PIN G17 IOSTANDARD LVCMOS33} [get_ports {beyond_slow_o}]
+set_property -dict {PACKAGE_PIN D17 IOSTANDARD LVCMOS33} [get_ports {beyond_warn_o}]
 set_property PULLTYPE PULLDOWN [get_ports go_o]
 set_property PULLTYPE PULLUP [get_ports stop_o]
 set_property PULLTYPE PULLDOWN [get_ports beat_o]
+set_property PULLTYPE PULLDOWN [get_ports beyond_slow_o]
+set_property PULLTYPE PULLDOWN [get_ports beyond_warn_o]
 
 # --- Asynchronous pins ---------------------------------------------------------------------------
 #
@@ -86,3 +91,4 @@ set_property PULLTYPE PULLDOWN [get_ports beat_o]
 
 set_false_path -from [get_ports {cpu_reset_ni uart_rx_i}]
 set_false_path -to [get_ports {uart_tx_o led_o[*] seg_no[*] an_no[*] go_o stop_o beat_o}]
+set_false_path -to [get_ports {beyond_slow_o beyond_warn_o}]

@@ -163,6 +163,8 @@ def run(options: argparse.Namespace) -> int:
         if not operations:
             raise InputError(f"{program.path}: no line moves X, Y or Z: there is nothing to follow")
         check_told_apart(operations)
+        for one in operations:
+            _check_zones(one.pieces, board.description.margin_bits)
         ends = not (program.changes or program.moves[-1].turning)
         operations[-1] = replace(operations[-1], ends=ends)
         count = sum(len(one.pieces) for one in operations)
@@ -212,6 +214,15 @@ def _zones(options: argparse.Namespace, operations: Sequence[Operation]) -> list
         within = [piece.line for piece in found if piece.beyond <= number]
         entries.append({"within": width, "pieces": len(within), "lines": sorted(set(within))})
     return entries
+
+
+def _check_zones(pieces: Sequence[Piece], bits: int) -> None:
+    """Raise InputError where a margin of the zones does not fit the board."""
+    if (most := max((0, *(width for piece in pieces for width in piece.zones)))) >= 1 << bits:
+        raise InputError(
+            f"--slow, --warn: a margin of {most} steps: the board's has {bits} bits, at most "
+            f"{(1 << bits) - 1}; use a coarser resolution, or leave them out"
+        )
 
 
 def _follow(

@@ -12,6 +12,7 @@ import numpy.typing as npt
 
 from triaxis.host.link.exchange import LinkError
 from triaxis.host.link.messages import (
+    ZONES,
     Description,
     Flag,
     Mode,
@@ -22,9 +23,10 @@ from triaxis.host.link.messages import (
     Status,
 )  # fmt: skip
 
-_FLAGS = int(Flag.GO | Flag.NEAR_WAITING | Flag.WATCHDOG_EXPIRED | Flag.FAULT)
-# Ends of which the engine counts every pair that it was given.
+_FLAGS = int(Flag.GO | Flag.NEAR_WAITING | Flag.WATCHDOG_EXPIRED | Flag.FAULT | ZONES)
+# Ends of which the engine counts every pair that it was given; of runs that it refused.
 _WHOLE = (RunEnd.COMPLETE, RunEnd.FIRST)
+_REFUSED = (RunEnd.OVERFLOW, RunEnd.OVERFULL, RunEnd.BAD_MODE)
 
 
 def contradiction(what: str) -> LinkError:
@@ -92,7 +94,7 @@ def _check_unfinished(status: Status) -> None:
     none = replace(status, end=RunEnd.NONE, **dict.fromkeys(counters, 0))
     if status.state == State.IDLE:
         none = replace(none, run=0, mode=0, x=0, y=0, z=0, margin=0)
-    if status != none:
+    if status != none or status.flags & ZONES:
         raise contradiction(f"numbers of a run in state {State(status.state).name}")
 
 
@@ -104,7 +106,7 @@ def _check_go(status: Status, holds: bool) -> None:
         return
     if (status.state, status.end, status.near) != (State.DONE, RunEnd.COMPLETE, 0):
         raise contradiction("go, and no complete run that found nothing near")
-    if status.flags != Flag.GO:
+    if status.flags & ~ZONES != Flag.GO:
         raise contradiction("go, although near pairs wait, the watchdog has run out, or a check has failed")
 
 
@@ -112,6 +114,8 @@ def _check_counters(status: Status, group: int) -> None:
     """Every pair was in a skipped group pair, skipped by its boxes, or tested; or the run stopped at one."""
     if status.near > status.tested:
         raise contradiction(f"{status.near} near pairs of {status.tested} tested")
+    if status.near and status.flags & ZONES != ZONES:
+        raise contradiction(f"flags {status.flags:#04x}, {status.near} near pairs")
     # The core takes at most a pair a clock.
     if status.tested >= status.cycles:
         raise contradiction(f"{status.tested} pairs tested in {status.cycles} clocks")
@@ -176,7 +180,7 @@ def check_later(before: Status, now: Status) -> None:
     if now.errors < before.errors:
         raise contradiction(f"{now.errors} errors after {before.errors}")
     begun, ended = now.flags & ~before.flags, before.flags & ~now.flags
-    if begun not in (0, Flag.WATCHDOG_EXPIRED) or ended & Flag.WATCHDOG_EXPIRED:
+    if begun not in (0, Flag.WATCHDOG_EXPIRED) or ended & (Flag.WATCHDOG_EXPIRED | ZONES):
         raise contradiction(f"flags {now.flags:#04x} after {before.flags:#04x}")
 
 
@@ -209,6 +213,7 @@ def audit(run: BoardRun) -> None:
     must_be("pose", (status.x, status.y, status.z), (request.x, request.y, request.z))
     must_be("margin", status.margin, request.margin)
     must_be("triangles", (status.count_a, status.count_b), (request.count_a, request.count_b))
+    _check_zones(status, request)
     if status.end in _MEANING:
         raise LinkError(f"{_MEANING[RunEnd(status.end)]}; verdict unknown")
     must_be("near pairs received", len(run.near), 0 if request.mode == Mode.COUNT else status.near)
@@ -216,3 +221,20 @@ def audit(run: BoardRun) -> None:
         raise contradiction("a near pair of triangles that were not loaded")
     if len(np.unique(run.near, axis=0)) != len(run.near):
         raise contradiction("a near pair twice")
+
+
+def _check_zones(status: Status, request: RunRequest) -> None:
+    """Nothing is said of a zone that is not asked about; what is in the inner one is in the outer, too.
+
+    A run that was cut off may have found what it had not counted yet.
+    """
+    asked = request.asked
+    found, others = status.flags & asked, ZONES & ~asked
+    uncounted = status.end in _REFUSED or (status.end in _WHOLE and not status.tested)
+    alone = found & Flag.SLOW and not status.flags & Flag.WARN
+    if status.flags & others != others or alone or (found and uncounted):
+        widths = f"{request.margin}, {request.slow}, {request.warn}"
+        raise contradiction(
+            f"flags {status.flags:#04x} of zones within {widths} steps, {status.tested} tested, "
+            f"{RunEnd(status.end).name}"
+        )

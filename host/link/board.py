@@ -11,6 +11,7 @@ from triaxis.host.link.audit import BoardRun, check_description, check_later, ch
 from triaxis.host.link.exchange import Exchange, Line, LinkError, SessionLostError
 from triaxis.host.link.messages import (
     LOADED_POSE,
+    NO_ZONES,
     PROTOCOL,
     Begun,
     Code,
@@ -133,13 +134,14 @@ class Board:
         progress: Progress = unwatched,
         trial: int = 0,
         hold: int = 0,
+        zones: tuple[int, int] = NO_ZONES,
     ) -> BoardRun:
         """Run to the end; ``progress`` is told of near pairs. The caller audits what comes back.
 
-        ``trial`` and ``hold``: see `RunRequest`.
+        ``trial``, ``hold``, ``zones`` (slow, warn): see `RunRequest`.
         """
         request = RunRequest(
-            mode, margin, *self._counts, trial=trial, x=pose.x, y=pose.y, z=pose.z, hold=hold
+            mode, margin, *zones, *self._counts, trial=trial, x=pose.x, y=pose.y, z=pose.z, hold=hold
         )
         begun = self._ask(Command.RUN, Begun, request)
         self._runs += 1

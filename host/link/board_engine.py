@@ -4,10 +4,10 @@ import numpy as np
 
 from triaxis.golden.pairs import coordinate_range
 from triaxis.host.engines import Integers, Progress, SceneRun, Translation, unwatched
-from triaxis.host.link.audit import BoardRun, audit
+from triaxis.host.link.audit import BoardRun, audit, contradiction
 from triaxis.host.link.board import Board
 from triaxis.host.link.exchange import LinkError, SessionLostError
-from triaxis.host.link.messages import Flag, Mesh, Mode, Pose, RunEnd, Status
+from triaxis.host.link.messages import NO_ZONES, Flag, Mesh, Mode, Pose, RunEnd, Status
 from triaxis.host.scene import in_order
 from triaxis.sim.mesh_engine import spatial_order
 
@@ -55,24 +55,31 @@ class BoardEngine:
             status.cycles, status.tested - status.near if self._board.description.certifies else None, near,
         )  # fmt: skip
 
-    def permit(self, translation: Translation, margin: int, hold: int) -> bool:
+    def permit(
+        self, translation: Translation, margin: int, hold: int, zones: tuple[int, int] = NO_ZONES
+    ) -> bool:
         """Return whether a pose is clear; if so go stands, or begins, for ``hold`` milliseconds more.
 
-        Raises LinkError as `run` does, and where go is not said although all is clear. A session that was
-        lost is not begun again: the machine has stopped.
+        ``zones``: margins of slow and warn, where nothing must be that is asked about. Raises LinkError as
+        `run` does, where the board finds something there, and where go is not said although all is clear. A
+        session that was lost is not begun again: the machine has stopped.
         """
         pose = Pose(*translation)
-        self._check_fit(pose, margin)
+        self._check_fit(pose, max(margin, *zones))
         self.load()
-        run = self._board.run(Mode.FIRST, margin, pose, hold=hold)
+        run = self._board.run(Mode.FIRST, margin, pose, hold=hold, zones=zones)
         audit(run)
         self.status = run.status
-        if not run.status.near and not run.status.flags & Flag.GO:
+        if run.status.near:
+            return False
+        if found := run.status.flags & run.request.asked:
+            raise contradiction(f"something in zones that it must be beyond: {Flag(found).name}")
+        if not run.status.flags & Flag.GO:
             raise LinkError(
                 "the board says stop although the segment is clear: the time of the one before was over, or "
                 "the line was disturbed; the machine has stopped: begin anew"
             )
-        return not run.status.near
+        return True
 
     @property
     def says_go(self) -> bool:

@@ -78,8 +78,9 @@ class HalPositions:
                 f"--hal: no component {NAME}: {error}: load it from the machine's .hal file, once"
             ) from error
         # Until when what the pins say is known: then they are cleared, though nobody says so.
-        self._known, self._changed = 0.0, threading.Condition()
-        threading.Thread(target=self._clear_in_time, daemon=True).start()
+        self._known, self._changed, self._closed = 0.0, threading.Condition(), False
+        self._clearing = threading.Thread(target=self._clear_in_time, daemon=True)
+        self._clearing.start()
         self._has_run = False
         self._wanted = {"x", "y", "z", "running", *map(str.lower, rotary)}
         self.angles: Vector | None = None
@@ -144,7 +145,7 @@ class HalPositions:
 
     def _clear_in_time(self) -> None:
         with self._changed:
-            while True:
+            while not self._closed:
                 self._clear_where_over()
                 left = self._known - time.monotonic()
                 self._changed.wait(left if left > 0 else None)
@@ -166,4 +167,9 @@ class HalPositions:
         """Take the component away; nothing is permitted any more."""
         self.said(False)
         self.beyond(0)
+        with self._changed:
+            self._closed = True
+            self._changed.notify()
+        # Pins that are gone cannot be cleared.
+        self._clearing.join()
         self._component.exit()

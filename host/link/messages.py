@@ -10,7 +10,7 @@ import numpy.typing as npt
 from triaxis.host.link.wire import CRC_BYTES, I32, LONGEST, U8, U16, U32, LayoutError, Record
 
 # The version of the protocol, and what a reply adds to its command.
-PROTOCOL = 6
+PROTOCOL = 7
 REPLY = 0x80
 
 
@@ -38,12 +38,23 @@ SCRUB, SCRUBBED, SCRUB_COMPARISONS = 8, 16, 14
 
 
 class Flag(IntFlag):
-    """Bits of a status."""
+    """Bits of a status.
+
+    ``SLOW``, ``WARN``: the last run has ended, and found something in that zone, or it is no wider than the
+    one within it.
+    """
 
     GO = 1
     NEAR_WAITING = 2
     WATCHDOG_EXPIRED = 4
     FAULT = 8
+    SLOW = 16
+    WARN = 32
+
+
+ZONES = Flag.SLOW | Flag.WARN
+# Margins of the zones slow and warn: the board is not asked about them.
+NO_ZONES = 0, 0
 
 
 MOST_TRIANGLES, MOST_NEAR = 12, 32
@@ -108,10 +119,14 @@ class RunRequest(Record):
 
     ``hold``: for so many milliseconds go stands from the run's end on, where it is clear; go that is said as
     the run begins stays until then. 0: go ends as the run begins, and has no time.
+    ``slow``, ``warn``: margins of the zones around. Of one that is no wider than what is within it (as 0)
+    nothing is asked, and it is never said that nothing is there.
     """
 
     mode: U8
     margin: U32
+    slow: U32
+    warn: U32
     count_a: U16
     count_b: U16
     trial: U8 = 0
@@ -119,6 +134,12 @@ class RunRequest(Record):
     y: I32 = 0
     z: I32 = 0
     hold: U16 = 0
+
+    @property
+    def asked(self) -> Flag:
+        """Return the zones that are asked about."""
+        slow = Flag.SLOW if self.slow > self.margin else Flag(0)
+        return slow | (Flag.WARN if self.warn > max(self.margin, self.slow) else Flag(0))
 
 
 def trial_of(kind: TrialKind, which: int) -> int:

@@ -16,6 +16,10 @@ straight lines, from the tool to the end of one of the pieces and from there to 
 *Zones* are around what must not be touched, wider than the clearance, for a machine that is to be slow near
 it. When the pieces are cut it is seen, by poses too, how many zones each is beyond. A tool is beyond those
 that all pieces are to which it may come within the hold: that is told before it is given.
+
+The board says with go what its last run was beyond, while the tool is in pieces before, and knows nothing of
+what is beside it. So it is asked about a zone only where the tool is beyond that, and so is the piece, as one
+pose with its margin shows: the board must find it as well. It never says to be beyond what it is not asked.
 """
 
 from collections.abc import Callable, Iterator, Sequence
@@ -56,6 +60,8 @@ class Piece:
     its number, the start and the end of the whole, and no way but the last one's. ``near``: it is not found
     clear when it is cut. ``beside``: the objects, of those that the board is not asked about, that are not.
     ``beyond``: how many of the zones, from the innermost on, it is shown to be outside of.
+    ``zones``: margins at which its sample alone shows that, of as many as it does: of a rapid that is seen
+    part by part they may be fewer.
     """
 
     sample: Translation
@@ -72,6 +78,15 @@ class Piece:
     near: bool = False
     beside: tuple[str, str] | None = None
     beyond: int = 0
+    zones: tuple[int, ...] = ()
+
+    def asked(self, beyond: int) -> tuple[int, int]:
+        """Return margins for the board's two zones, 0 where it is not asked.
+
+        ``beyond``: how many of the zones the tool is beyond.
+        """
+        slow, warn, *_ = (*self.zones[:beyond], 0, 0)
+        return slow, warn
 
     def holds(self, place: GridPoint) -> bool:
         """Return whether a place is covered by its sample."""
@@ -120,7 +135,7 @@ def pieces(
             way = sum((_way(scene, number) for number in range(first, first + together)), Rational(0))
             ends = scene.place(moves[first].start), scene.place(moves[first + together - 1].end)
             piece = _piece(scene, group, ends, way, range(first, first + together))
-            found.append(replace(piece, beyond=len(zones)))
+            found.append(replace(piece, beyond=len(zones), zones=cut.margins(group, len(zones))))
         else:
             found += cut.move(first)
         first, together = first + together, 2 * together
@@ -158,6 +173,10 @@ class _Cut:
         run = self.engine.run(segment.sample, margin, stop_at_first=True)
         return not run.near_count and beside(segment, moves) is None
 
+    def margins(self, segment: Segment, beyond: int) -> tuple[int, ...]:
+        """Return margins of one pose for so many zones."""
+        return tuple(scene.path.margin(segment) for scene, _ in self.around[1 : 1 + beyond])
+
     def move(self, number: int) -> Iterator[Piece]:
         """Yield the pieces of one move, in the order in which the tool comes to them."""
         only = range(number, number + 1)
@@ -177,7 +196,8 @@ class _Cut:
                 way = Rational(0) if pending else _way(self.scene, number)
                 piece = _piece(self.scene, segment, (whole.start, whole.end), way, only, number)
             if beyond >= 0:
-                yield replace(piece, beyond=self._in_parts(segment, only) if beyond < enough else beyond)
+                seen = self._in_parts(segment, only) if beyond < enough else beyond
+                yield replace(piece, beyond=seen, zones=self.margins(segment, beyond))
             else:
                 _, beside = self.around[0]
                 yield replace(piece, near=True, beside=beside(segment, only))
@@ -440,7 +460,7 @@ _PARTS = 1024
 
 def follow(
     follower: Follower,
-    permit: Callable[[Translation, int, int], bool],
+    permit: Callable[[Translation, int, int, tuple[int, int]], bool],
     report: Callable[[], Report],
     now: Callable[[], float],
     longest: int,
@@ -451,10 +471,10 @@ def follow(
 
     Where another part of the program follows, until it is at the end of this one.
 
-    ``permit``: asks about a pose, a margin and a hold (`BoardEngine.permit`); ``longest``: the hold that is
-    aimed at, in milliseconds, and never exceeded; ``ahead`` is told of zones before the board is asked,
-    ``seen`` of each answer. Raises StrayedError, and LateError where an answer takes, or could
-    take, longer than the tool may stay, or longer than go is said for certain.
+    ``permit``: asks about a pose, a margin, a hold and zones (`BoardEngine.permit`); ``longest``: the hold
+    that is aimed at, in milliseconds, and never exceeded; ``ahead`` is told of zones before the board is
+    asked, ``seen`` of each answer. Raises StrayedError, and LateError where an answer takes, or could take,
+    longer than the tool may stay, or longer than go is said for certain.
     """
     done = Followed()
     # Until when the last answer counts at least.
@@ -485,9 +505,10 @@ def follow(
                 f"sooner than in the {float(follower.lag):g} s that an answer may take: begin with a longer "
                 "move, use a larger --length, a lower --speed, a shorter --lag or --braking"
             )
-        ahead(number, follower.beyond(number, hold))
+        beyond = follower.beyond(number, hold)
+        ahead(number, beyond)
         said, until = until if follower.permitted else None, now() + hold / 1000
-        clear = permit(piece.sample, piece.margin, hold)
+        clear = permit(piece.sample, piece.margin, hold, piece.asked(beyond))
         lag = now() - since
         done.asked += 1
         done.longest_lag, done.shortest_hold = max(done.longest_lag, lag), min(done.shortest_hold, hold)

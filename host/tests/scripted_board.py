@@ -10,6 +10,7 @@ import numpy as np
 from triaxis.host.link.messages import (
     PROTOCOL,
     REPLY,
+    ZONES,
     Begun,
     Code,
     Command,
@@ -29,7 +30,7 @@ from triaxis.host.link.wire import Deframer, encode
 
 BOARD = Description(PROTOCOL, 16, 16, 64, 4, 4, 0xCAFE, 100, 1)
 # Two meshes of 6 and 5 triangles, in groups of 4: 4 group pairs, 30 pairs; half of the groups skipped.
-CLEAR = Status(1, 2, 1, 1, 1, 0, 0, 0, 3, 99, 2, 2, 10, 4, 0, 0, 6, 5)
+CLEAR = Status(1, 2, 1, Flag.GO | ZONES, 1, 0, 0, 0, 3, 99, 2, 2, 10, 4, 0, 0, 6, 5)
 
 Answer = tuple[Code, bytes]
 
@@ -51,7 +52,8 @@ class ScriptedLine:
     def lie(self, **fields: Any) -> "ScriptedLine":
         """Say other numbers in the status, and stop where they are not of a clear run."""
         clear = self.status.near == fields.get("near", 0) and self.status.end == fields.get("end", 1)
-        self.status = replace(self.status, **{"flags": self.status.flags if clear else 0, **fields})
+        flags = self.status.flags if clear else ZONES
+        self.status = replace(self.status, **{"flags": flags, **fields})
         return self
 
     def send(self, data: bytes) -> None:

@@ -23,6 +23,7 @@ from filelock import FileLock
 from triaxis.golden.errors import InputError
 from triaxis.golden.exact import Rational
 from triaxis.host import scenes
+from triaxis.host.cli import engine as engine_module
 from triaxis.host.cli import follow as follow_module
 from triaxis.host.cli import main
 from triaxis.host.cli.engine import checkout_id
@@ -33,6 +34,7 @@ from triaxis.host.link.board import Board
 from triaxis.host.link.board_engine import BoardEngine
 from triaxis.host.link.exchange import LinkError
 from triaxis.host.link.hal import HalPositions
+from triaxis.host.link.messages import ZONES as ZONE_FLAGS
 from triaxis.host.link.positions import Positions
 from triaxis.host.motion.follow import (
     LONGEST,
@@ -43,7 +45,7 @@ from triaxis.host.motion.follow import (
     follow,
     pieces,
 )
-from triaxis.host.motion.path_scene import Wanted, prepare_path
+from triaxis.host.motion.path_scene import Wanted, prepare_path, upwards
 from triaxis.host.motion.program import read_program
 from triaxis.host.quantise import vector
 from triaxis.host.scene import distance_of
@@ -51,7 +53,7 @@ from triaxis.host.stl import StlMesh
 from triaxis.host.tests.published import read_published
 from triaxis.sim.board_parameters import BoardParameters
 from triaxis.sim.pseudo_terminal import ServedBoard, Wire
-from triaxis.sim.simulated_board import SimulatedTop
+from triaxis.sim.simulated_board import PINS, SimulatedTop
 from triaxis.sim.simulated_line import SimulatedLine, SimulatedWire
 
 PROGRAM = """G21 G90 G64 P0.4
@@ -70,6 +72,11 @@ TOOL = np.array([[[0, 0, 0], [3, 0, 0], [0, 3, 9]], [[0, 0, 0], [0, 3, 0], [3, 0
 FLOOR = np.array([[[-9, -9, 0], [99, -9, 0], [99, 99, 0]]], np.float32)
 # A post on the way from X30 to X60.
 POST = np.array([[[50, 20, 0], [52, 30, 12], [50, 30, 12]]], np.float32)
+# By the post, which is 1.9 mm away, and up at the end.
+ZONED = PROGRAM.replace("G0 X0 Y0 Z40", "G1 Z40")
+BESIDE = np.concatenate([FLOOR, POST + np.array([0, 3.1, 0], np.float32)])
+# Above the floor by any way, in long pieces, and down to be in a zone.
+RAPID = "G21 G90 G64 P0.4\nG0 X30 Y25 Z20\nG1 Z11 F1000\nG0 X60 Y26\nG1 Z1.5\nZ40\n"
 SPEED, LAG = Fraction(100), Fraction(1, 50)
 # Of the program, in mm and in steps.
 SLACK, SLACK_STEPS = Fraction(4, 5), 80
@@ -244,6 +251,10 @@ def cut_for_zones(scene, shortest=4):
     return pieces(scene, engine, Fraction(shortest), Fraction(20), zones=zones)
 
 
+def cut_for_both(scene):
+    return cut_for_zones(scene, 1)
+
+
 def apart(scene, position):
     """Return the exact distance of tool and workpiece."""
     meshes = scene.tool, scene.work
@@ -270,18 +281,68 @@ def test_what_is_beyond_a_zone_is_so_at_every_place_and_what_is_not_is_within_ne
             assert away <= width + Fraction(str(piece.reach)) * scene.wanted.resolution + band
 
 
+def own_zones(scene, piece):
+    """Return margins at which the sample of a piece shows that all of it is beyond each zone."""
+    return tuple(upwards(scene.within(width).path.base + piece.reach) for width in ZONES)
+
+
+def test_the_board_is_asked_about_zones_that_the_tool_is_beyond_as_one_pose_shows(program):
+    scene = scene_of(program, BESIDE)
+    engine = scene_engine(BULK, scene.a, scene.b, scene.grid.width)
+    told = set()
+    for piece in cut_for_zones(scene):
+        own = own_zones(scene, piece)
+        free = sum(not engine.run(piece.sample, margin).near_count for margin in own)
+        for beyond in range(3):
+            asked = min(beyond, free)
+            assert piece.asked(beyond) == (*own[:asked], 0, 0)[:2]
+            told.add((piece.beyond, beyond, asked))
+    assert {(2, 0, 0), (2, 1, 1), (2, 2, 2), (1, 2, 1), (0, 2, 0)} <= told
+    # Of a rapid seen part by part: the board does find something around its one pose.
+    assert {(2, 2, 1), (1, 1, 0)} <= told
+    assert all(piece.asked(2) == (0, 0) for piece in cut(scene))
+
+
+def test_of_one_zone_the_board_is_asked_about_the_first(program):
+    scene = scene_of(program, BESIDE)
+    engine = scene_engine(BULK, scene.a, scene.b, scene.grid.width)
+    zones = [(scene.within(ZONES[0]), lambda *_: None)]
+    for piece in pieces(scene, engine, Fraction(4), Fraction(20), zones=zones):
+        first, second = piece.asked(1)
+        assert first in (0, own_zones(scene, piece)[0]) and second == 0
+
+
+def test_what_is_beside_the_board_in_a_zone_is_not_asked_of_it(program):
+    scene = scene_of(program, FLOOR)
+    engine = scene_engine(BULK, scene.a, scene.b, scene.grid.width)
+    beside = (lambda *_: None, lambda *_: ("column", "table"))
+    zones = [(scene.within(width), near) for width, near in zip(ZONES, beside, strict=True)]
+    found = pieces(scene, engine, Fraction(4), Fraction(20), zones=zones)
+    assert {(piece.beyond, piece.asked(2)[1]) for piece in found if not piece.near} <= {(0, 0), (1, 0)}
+    assert any(piece.asked(2)[0] for piece in found)
+
+
+def test_a_margin_of_a_zone_that_the_board_does_not_have_is_refused_before_the_start(program):
+    found = cut_for_zones(scene_of(program, BESIDE))
+    most = max(width for piece in found for width in piece.zones)
+    bits = most.bit_length()
+    follow_module._check_zones(found, bits)
+    with pytest.raises(InputError, match=f"a margin of {most} steps: the board's has {bits - 1} bits"):
+        follow_module._check_zones(found, bits - 1)
+    follow_module._check_zones(cut(scene_of(program)), 0)
+
+
 @pytest.mark.long
 def test_a_zone_is_told_before_the_tool_can_be_there_and_until_it_has_left(program):
-    # By the post, which is 1.9 mm away, and up at the end.
-    program.write_text(PROGRAM.replace("G0 X0 Y0 Z40", "G1 Z40"))
-    scene = scene_of(program, np.concatenate([FLOOR, POST + np.array([0, 3.1, 0], np.float32)]))
-    found = cut_for_zones(scene, 1)
+    program.write_text(ZONED)
+    scene = scene_of(program, BESIDE)
+    found = cut_for_both(scene)
     assert not any(piece.near for piece in found)
     follower, clock = Follower(scene, found, SPEED, LAG), Clock(*[0.01] * 10_000)
     tool = SimulatedTool(scene.program, SPEED, clock.now, lambda: follower.permitted > 0)
     told = list[int]()
 
-    def permit(translation, margin, hold):
+    def permit(translation, margin, hold, *_):
         # Wherever it is while that is said: until the hold ends, after which it is told again or stops.
         for part in range(9):
             later = copy(tool)
@@ -328,7 +389,7 @@ class Clock:
     def now(self):
         return self.time
 
-    def permit(self, translation, margin, hold):
+    def permit(self, translation, margin, hold, *_):
         self.holds.append(hold)
         self.time += next(self.takes)
         return True
@@ -358,7 +419,7 @@ def test_an_answer_is_late_after_the_lag_or_when_go_may_have_ended(program):
     assert clock.holds == [80, 50, 20]
 
 
-def moving(program, work, top, stalls=0.0):
+def moving(program, work, top, stalls=0.0, cut=cut):
     """Return a follower, what it asks, a simulated tool, and a line's clock."""
     scene = scene_of(program, work)
     board = Board(SimulatedLine(SimulatedWire(top, CLOCKS_PER_SECOND)))
@@ -368,12 +429,14 @@ def moving(program, work, top, stalls=0.0):
     tool = SimulatedTool(scene.program, SPEED * 98 / 100, board._line.now, lambda: top.go)
     follower = Follower(scene, cut(scene), SPEED, LAG)
 
-    def permit(translation, margin, hold):
+    def permit(translation, margin, hold, *zones):
         if follower.permitted == 5:
             board._line.wait(stalls)
-        return engine.permit(translation, margin, hold)
+        return engine.permit(translation, margin, hold, *zones)
 
-    return SimpleNamespace(follower=follower, permit=permit, tool=tool, now=board._line.now, scene=scene)
+    return SimpleNamespace(
+        follower=follower, permit=permit, tool=tool, now=board._line.now, scene=scene, engine=engine
+    )
 
 
 @pytest.fixture
@@ -406,6 +469,89 @@ def test_a_machine_is_stopped_before_what_is_near(program, top):
     # It is asked about ahead: the tool has not come to the post, which begins at X50.
     place, _ = case.tool.report()
     assert place[0] + 3 < 50
+
+
+@pytest.mark.simulator
+@pytest.mark.parametrize(
+    ("lines", "work", "all_said"),
+    [(ZONED, BESIDE, {(0, 0), (1, 0), (1, 1)}), (RAPID, FLOOR, {(0, 0), (1, 0), (1, 1)})],
+    ids=["post", "rapid"],
+)
+def test_the_board_says_by_pins_that_the_tool_is_beyond_a_zone(lines, work, all_said, program, top):
+    program.write_text(lines)
+    case = moving(program, work, top, cut=cut_for_both)
+    said, told, asked, pins = set(), [], [], 0
+    top.note()
+
+    def report():
+        nonlocal pins
+        here = case.tool.report()
+        for event in top.events():
+            pins = int(event["value"]) if event["kind"] == PINS else pins
+        beyond = [bool(pins >> bit & 1) for bit in (18, 19)]
+        assert top.go or not any(beyond)
+        away = here and apart(case.scene, here[0])
+        assert away is None or all(away > width for width, says in zip(ZONES, beyond, strict=True) if says)
+        # What was asked of what was permitted last, and no more than the host says.
+        assert not asked or not top.go or beyond == [width > 0 for width in asked[-1]]
+        assert sum(beyond) <= (told[-1] if told else 0)
+        said.add(tuple(beyond))
+        return here
+
+    def permit(translation, margin, hold, zones):
+        asked.append(zones)
+        return case.permit(translation, margin, hold, zones)
+
+    done = follow(case.follower, permit, report, case.now, 200, ahead=lambda _, beyond: told.append(beyond))
+    assert (done.near, done.permitted) == (None, len(case.follower.pieces))
+    assert said == all_said
+    # The rapid is beyond both, part by part, and the board is asked about the first.
+    assert ((2, 1) in {(one.beyond, len(one.zones)) for one in case.follower.pieces}) == (lines == RAPID)
+
+
+# What the host has wrong of a piece, or of a rapid that it has seen part by part; what the board's flags are.
+DISAGREEING = {
+    "claim": "something in zones that it must be beyond: WARN",
+    "parts": "something in zones that it must be beyond: WARN",
+    "set": "flags 0x31 of zones within",
+    "clear": "flags 0x01 of zones within",
+}
+
+
+@pytest.mark.simulator
+@pytest.mark.parametrize("planted", DISAGREEING)
+def test_a_board_that_disagrees_about_a_zone_ends_it(planted, program, top, monkeypatch):
+    lines, work = (RAPID, FLOOR) if planted == "parts" else (ZONED, BESIDE)
+    program.write_text(lines)
+    case = moving(program, work, top, cut=cut_for_both)
+    found = case.follower.pieces
+    # One that the host may not ask about, as the board does not find it beyond both.
+    number = next(number for number, piece in enumerate(found) if len(piece.zones) < 2)
+    if planted == "set":
+        number -= 1
+    assert found[number].beyond == (2 if planted in ("parts", "set") else 1)
+    if planted in ("claim", "parts"):
+        wrong = replace(found[number], zones=own_zones(case.scene, found[number]), beyond=2)
+        case.follower.pieces = (*found[:number], wrong, *found[number + 1 :])
+    else:
+        real = Board.run
+
+        def altered(board, *words, **more):
+            run = real(board, *words, **more)
+            if case.follower.permitted < number:
+                return run
+            flags = run.status.flags & ~ZONE_FLAGS
+            return replace(
+                run, status=replace(run.status, flags=flags | (ZONE_FLAGS if planted == "set" else 0))
+            )
+
+        monkeypatch.setattr(Board, "run", altered)
+    with pytest.raises(LinkError, match=f"contradicts itself or us: {DISAGREEING[planted]}"):
+        follow(case.follower, case.permit, case.tool.report, case.now, 200)
+    assert case.follower.permitted == number
+    # Nobody asks any more: what was permitted is over in its time.
+    top.step(300 * PARAMETERS.hold_clocks)
+    assert not top.go
 
 
 @pytest.mark.simulator
@@ -1072,7 +1218,9 @@ def test_positions_are_those_of_the_pins(machine):
         pins._component = component
         machine.hal.new_sig("go", machine.hal.HAL_BIT)
         machine.hal.connect("triaxis.go", "go")
+        pins.known_until(time.monotonic() + 60)
         pins.close()
+        assert not pins._clearing.is_alive()
     assert machine.hal.get_value("go") is False
 
 
@@ -1091,10 +1239,19 @@ def test_the_command_follows_the_pins_of_a_machine(machine, top, tmp_path, capsy
     scenes.write_stl(tool, TOOL)
     scenes.write_stl(work, FLOOR)
     program.write_text("G21 G90 G61\nG0 X10\nG1 X20 F1000\n")
-    ticks = count()
-    clock = SimpleNamespace(monotonic=lambda: next(ticks) / 400, sleep=lambda _: None)
+    ticks, ours = 0, threading.get_ident()
+
+    def monotonic():
+        # Another thread that looks, as often as it comes to, takes no time.
+        nonlocal ticks
+        ticks += threading.get_ident() == ours
+        return ticks / 400
+
     for module in (follow_module, hal_module):
-        monkeypatch.setattr(module, "time", clock)
+        monkeypatch.setattr(module, "time", SimpleNamespace(monotonic=monotonic, sleep=lambda _: None))
+    # The board's time goes on only while it is asked.
+    line = SimulatedLine(SimulatedWire(top, CLOCKS_PER_SECOND))
+    monkeypatch.setattr(engine_module, "SerialLine", lambda _: line)
     places = iter([*range(0, 21, 2), *[20] * 4])
     go = []
 
@@ -1116,9 +1273,8 @@ def test_the_command_follows_the_pins_of_a_machine(machine, top, tmp_path, capsy
             return super().report()
 
     monkeypatch.setattr(follow_module, "HalPositions", Stepped)
-    with ServedBoard(top, Wire()) as served:
-        arguments = [str(tool), str(work), str(program), "--port", served.path, "--hal", "--skip-self-test"]
-        arguments += ["--speed", "100", "--lag", "50", "--hold", "500", "--start", "0", "0", "40"]
-        assert main(["board", "follow", *arguments, "--surfaces-only"]) == 0
+    arguments = [str(tool), str(work), str(program), "--port", line.name, "--hal", "--skip-self-test"]
+    arguments += ["--speed", "100", "--lag", "50", "--hold", "500", "--start", "0", "0", "40"]
+    assert main(["board", "follow", *arguments, "--surfaces-only"]) == 0
     assert "FOLLOWED: to the end of the program" in capsys.readouterr().out
     assert go[0] is False and go[1:] == [True] * (len(go) - 1)

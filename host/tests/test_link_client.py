@@ -1,6 +1,7 @@
 """The client against boards that lie, are silent, or are somebody else's: never a verdict from them."""
 
 import errno
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -8,12 +9,24 @@ import pytest
 import serial
 
 from triaxis.host.engines import STILL
+from triaxis.host.link.audit import check_later, check_status
 from triaxis.host.link.board import Board
 from triaxis.host.link.board_engine import BoardEngine
 from triaxis.host.link.exchange import LinkError, SerialLine
-from triaxis.host.link.messages import Begun, Code, Command, Flag, Mode, ReplyHead, Results, twice
+from triaxis.host.link.messages import (
+    ZONES,
+    Begun,
+    Code,
+    Command,
+    Flag,
+    Mode,
+    ReplyHead,
+    Results,
+    RunRequest,
+    twice,
+)
 from triaxis.host.link.wire import Deframer, encode
-from triaxis.host.tests.scripted_board import BOARD, ScriptedLine
+from triaxis.host.tests.scripted_board import BOARD, CLEAR, ScriptedLine
 
 A = np.arange(6 * 9).reshape(6, 3, 3)
 B = 100 + np.arange(5 * 9).reshape(5, 3, 3)
@@ -40,11 +53,15 @@ LIES = [
     {"x": 1}, {"z": -1}, {"margin": 2}, {"count_a": 5}, {"count_b": 6}, {"near": 1},
     *({"end": end} for end in range(9) if end != 1),
     # Go, and yet near, or not the end of a complete run, or too late.
-    {"near": 1, "flags": 1}, {"end": 3, "flags": 1}, {**RUNNING, "flags": 1}, {"flags": 5},
+    {"near": 1, "flags": 1 | ZONES}, {"end": 3, "flags": 1 | ZONES}, {**RUNNING, "flags": 1},
+    {"flags": 5 | ZONES},
     # Near pairs that nobody gets; a flag that there is not; more than a pair a clock.
-    {"flags": 2}, {"flags": 16}, {"cycles": 4},
+    {"flags": 2 | ZONES}, {"flags": 64 | ZONES}, {"cycles": 4},
+    # Nothing in zones that were not asked about.
+    {"flags": Flag.GO | Flag.WARN}, {"flags": Flag.GO | Flag.SLOW}, {"flags": Flag.GO}, {"flags": 0},
     # A fault, in one of the two places that tell of it, in both, or with go.
-    {"flags": 8}, {"end": 7, "flags": 8}, {"flags": 9}, {"end": 7, "flags": 9},
+    {"flags": 8 | ZONES}, {"end": 7, "flags": 8 | ZONES}, {"flags": 9 | ZONES},
+    {"end": 7, "flags": 9 | ZONES},
     # Group pairs that were neither skipped nor opened, or more than there are.
     {"groups_skipped": 1}, {"groups_opened": 3},
     # Pairs that were left out, or tested twice.
@@ -70,7 +87,7 @@ def test_a_status_that_is_not_of_a_complete_run_is_no_verdict(lie):
 
 
 def test_a_fault_is_told_with_what_to_do():
-    for lie in ({"end": 7, "flags": 8}, {"end": 7, "flags": 8, "near": 1}):
+    for lie in ({"end": 7, "flags": 8}, {"end": 7, "flags": 8 | ZONES}, {"end": 7, "flags": 8, "near": 1}):
         said = refused(ScriptedLine().lie(**lie))
         assert said.startswith("the board has found a fault in itself: run the command again")
         assert said.endswith("verdict unknown")
@@ -88,6 +105,79 @@ def test_counters_at_the_edge_of_what_is_possible_are_believed():
     for counts in ((2, 2, 10, 4), (0, 4, 30, 0), (4, 0, 0, 0)):
         names = ("groups_skipped", "groups_opened", "pairs_skipped", "tested")
         assert check(ScriptedLine().lie(**dict(zip(names, counts, strict=True)))).near_count == 0
+
+
+SLOW, WARN, NEITHER = Flag.SLOW, Flag.WARN, Flag(0)
+# Of a run at margin 3: the margins asked for, flags where nothing is in them, and where something is.
+ZONED = [
+    ((5, 9), NEITHER, {WARN, ZONES}),
+    ((5, 5), WARN, {ZONES}), ((5, 4), WARN, {ZONES}), ((5, 0), WARN, {ZONES}),
+    ((0, 9), SLOW, {ZONES}), ((3, 9), SLOW, {ZONES}), ((2, 4), SLOW, {ZONES}),
+    ((0, 0), ZONES, set()), ((3, 3), ZONES, set()), ((0, 3), ZONES, set()), ((2, 1), ZONES, set()),
+]  # fmt: skip
+ALL_FLAGS = (NEITHER, SLOW, WARN, ZONES)
+
+
+def permitted(line, zones):
+    with Board(line) as board:
+        board.hello()
+        return BoardEngine(board, A, B, Mode.FIRST).permit(STILL, 3, 7, zones)
+
+
+@pytest.mark.parametrize(("zones", "free", "entered"), ZONED, ids=str)
+def test_zones_are_asked_and_told_in_the_same_run(zones, free, entered):
+    line = ScriptedLine().lie(flags=Flag.GO | free)
+    assert permitted(line, zones)
+    (run,) = (frame for sent in line.frames for frame in Deframer().feed(sent) if frame[0] == Command.RUN)
+    request = RunRequest.unpack(run[9:])
+    assert (request.margin, request.slow, request.warn, request.hold) == (3, *zones, 7)
+    for flags in entered:
+        found = "|".join(str(flag.name) for flag in (SLOW, WARN) if flag in flags & ~free)
+        with pytest.raises(LinkError, match=rf"in zones that it must be beyond: {re.escape(found)}; verdict"):
+            permitted(ScriptedLine().lie(flags=Flag.GO | flags), zones)
+    for flags in {*ALL_FLAGS} - entered - {free}:
+        with pytest.raises(
+            LinkError, match=f"{Flag.GO | flags:#04x} of zones within 3, {zones[0]}, {zones[1]}"
+        ):
+            permitted(ScriptedLine().lie(flags=Flag.GO | flags), zones)
+
+
+def test_something_in_a_zone_was_tested():
+    nothing = {"groups_skipped": 4, "groups_opened": 0, "pairs_skipped": 0, "tested": 0}
+    for zones, free, entered in ZONED:
+        assert permitted(ScriptedLine().lie(**nothing, flags=Flag.GO | free), zones)
+        for flags in entered:
+            with pytest.raises(LinkError, match="steps, 0 tested, COMPLETE"):
+                permitted(ScriptedLine().lie(**nothing, flags=Flag.GO | flags), zones)
+
+
+def test_of_a_run_that_was_refused_or_cut_off_zones_prove_nothing_but_must_be_possible():
+    for zones, free, entered in ZONED:
+        for end, what in (
+            (3, "the run was aborted"),
+            (4, "A leaves"),
+            (5, "a mesh has"),
+            (6, "not know the mode"),
+        ):
+            for flags in ALL_FLAGS:
+                # Before it is cut off something may be found that is not counted.
+                possible = flags == free or (end == 3 and flags in entered)
+                with pytest.raises(LinkError, match=what if possible else "of zones within"):
+                    permitted(ScriptedLine().lie(end=end, flags=flags, tested=0), zones)
+
+
+def test_flags_of_zones_that_contradict_the_status():
+    near, running = replace(CLEAR, near=1), replace(CLEAR, **RUNNING)
+    for holds in (False, True):
+        check_status(replace(near, flags=ZONES), BOARD.group, holds)
+        check_status(running, BOARD.group, holds)
+        for flags in (NEITHER, SLOW, WARN):
+            with pytest.raises(LinkError, match=f"flags {flags:#04x}, 1 near pairs"):
+                check_status(replace(near, flags=flags), BOARD.group, holds)
+        for flags in (SLOW, WARN, ZONES):
+            for go in (0, Flag.GO):
+                with pytest.raises(LinkError, match="numbers of a run in state RUNNING"):
+                    check_status(replace(running, flags=flags | go), BOARD.group, holds)
 
 
 NEAR = [(0, 0), (5, 4), (1, 2), (0, 4)]
@@ -119,7 +209,7 @@ def test_first_near_pair():
 
 @pytest.mark.parametrize(("near", "what"), [([], "True, must be False"), (NEAR, "False, must be True")])
 def test_near_pairs_wait_where_there_are_some_and_nowhere_else(near, what):
-    line = ScriptedLine(near=near).lie(near=len(near), flags=0)
+    line = ScriptedLine(near=near).lie(near=len(near), flags=ZONES)
     true = line.answer
 
     def waiting(command, payload):
@@ -145,12 +235,17 @@ def test_a_later_status_is_of_the_same_run():
         engine = BoardEngine(board, A, B)
         engine.run(STILL, 3)
         assert board.still(engine.status) == engine.status
-        line.lie(errors=4, flags=Flag.WATCHDOG_EXPIRED)
+        line.lie(errors=4, flags=Flag.WATCHDOG_EXPIRED | ZONES)
         later = board.still(engine.status)
-        assert (later.errors, later.flags) == (4, Flag.WATCHDOG_EXPIRED)
+        assert (later.errors, later.flags) == (4, Flag.WATCHDOG_EXPIRED | ZONES)
+        for zone in (SLOW, WARN):
+            for before, now in ((Flag.GO, Flag.GO | zone), (Flag.GO | zone, Flag.GO)):
+                said = replace(engine.status, flags=before)
+                with pytest.raises(LinkError, match=f"flags 0x{now:02x} after 0x{before:02x}"):
+                    check_later(said, replace(said, flags=now))
         # The output says go only from the end of a run, and the watchdog's end is not forgotten.
-        line.lie(flags=Flag.GO)
-        with pytest.raises(LinkError, match="flags 0x01 after 0x04; verdict unknown"):
+        line.lie(flags=Flag.GO | ZONES)
+        with pytest.raises(LinkError, match="flags 0x31 after 0x34; verdict unknown"):
             board.still(later)
         line.lie(**lie)
         with pytest.raises(LinkError, match="contradicts itself or us"):
@@ -181,7 +276,7 @@ SAID = [
     (Command.RUN, Code.OK, twice(bytes([2, 0, 0])), "hold: Begun(number=2, hold=0), expected Begun(number=1"),
     (Command.RUN, Code.OK, twice(bytes([1, 7, 0])), "hold: Begun(number=1, hold=7), expected Begun(number=1"),
     (Command.RESULTS, Code.OK, twice(bytes(7)), "must be 51: not this protocol"),
-    (Command.HELLO, Code.OK, b"\x03" + bytes(12), "speaks protocol 03, this program 06: load the bitstream"),
+    (Command.HELLO, Code.OK, b"\x03" + bytes(12), "speaks protocol 03, this program 07: load the bitstream"),
 ]
 
 
@@ -244,7 +339,7 @@ def test_replies_to_others_are_not_heard(field):
         return true(command, payload)
 
     line.answer = also_a_wrong_one
-    assert board.status().flags == Flag.GO
+    assert board.status().flags == CLEAR.flags
 
 
 def test_what_is_too_large_for_the_board_is_refused():
@@ -257,6 +352,10 @@ def test_what_is_too_large_for_the_board_is_refused():
         assert what in refused(ScriptedLine(), **options)
     small = ScriptedLine(board=replace(BOARD, margin_bits=4))
     assert "margin 16: the board's has 4 bits, at most 15" in refused(small, margin=16)
+    for zones in ((16, 0), (0, 16)):
+        with pytest.raises(LinkError, match="margin 16: the board's has 4 bits, at most 15"):
+            permitted(small, zones)
+    assert not any(frame[1] == Command.RUN for frame in small.frames)
 
 
 def test_ports_that_cannot_be_used(monkeypatch, tmp_path):

@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 from triaxis.host.link.messages import (
     LoadHead,
     RequestHead,
+    RunRequest,
     Status,
     once,
     pack_triangles,
@@ -33,6 +34,9 @@ def test_the_wire_byte_by_byte():
     assert Status(*numbers).pack() == words and Status.unpack(words) == Status(*numbers)
     with pytest.raises(LayoutError):
         Status.unpack(words + b"\0")
+    run = RunRequest(1, 2, 3, 4, 5, 6, 7, 8, -9, 10, 11)
+    assert run.pack() == struct.pack("<B3I2HB3iH", 1, 2, 3, 4, 5, 6, 7, 8, -9, 10, 11)
+    assert RunRequest.size() == 32
 
 
 @given(streams, st.lists(bodies, max_size=5), st.lists(st.integers(1, 50), min_size=1, max_size=50))

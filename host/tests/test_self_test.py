@@ -11,6 +11,7 @@ from triaxis.host.link.exchange import LinkError
 from triaxis.host.link.messages import (
     SCRUB,
     WHICHES,
+    ZONES,
     Code,
     Command,
     Flag,
@@ -29,7 +30,7 @@ from triaxis.sim.simulated_line import SimulatedLine, SimulatedWire
 
 # The payload of the only LOAD that a self-test sends, of mesh A.
 LOADS = LoadHead(0, 0, 1).pack() + pack_triangles(TRIANGLE, BOARD.width)
-NEAR = Status(1, 2, 1, 0, 2, 0, 0, 0, 0, 60, 0, 1, 0, 1, 1, 0, 1, 1)
+NEAR = Status(1, 2, 1, ZONES, 2, 0, 0, 0, 0, 60, 0, 1, 0, 1, 1, 0, 1, 1)
 
 
 @dataclass

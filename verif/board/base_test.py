@@ -8,6 +8,7 @@ from pyuvm import uvm_env, uvm_subscriber
 
 from triaxis.coverage.board_coverage import BoardCoverage, Happened
 from triaxis.golden.pairs import coordinate_range
+from triaxis.sim.mesh_engine import NO_ZONES, Trial
 from triaxis.verif.board.line_agent import Act, BoardBfm, LineAgent, LineItem, Until
 from triaxis.verif.board.pin_agents import PinBoardBfm
 from triaxis.verif.board.protocol import (
@@ -25,6 +26,7 @@ from triaxis.verif.board.protocol import (
     load_payload,
 )
 from triaxis.verif.board.scoreboard import BoardScoreboard
+from triaxis.verif.mesh.expectation import ATTEMPTS
 from triaxis.verif.mesh.items import WHICHES
 from triaxis.verif.testbench.environment import EnvironmentTest, ItemsSequence, create, settings_of
 from triaxis.verif.testbench.settings import coverage_file
@@ -75,7 +77,9 @@ class BoardTest(EnvironmentTest):
     """Resets the board and runs `stimulus`; what it sends is all the same to the scoreboard."""
 
     # But for the segments: no reset reaches what makes the number decimal.
-    outputs = dict.fromkeys(("go_o", "stop_o", "beat_o", "uart_tx_o", "led_o", "an_no"))
+    outputs = dict.fromkeys(
+        ("go_o", "stop_o", "beat_o", "beyond_slow_o", "beyond_warn_o", "uart_tx_o", "led_o", "an_no")
+    )
     # The button's own synchroniser begins with values; what it releases has none before.
     clock_and_reset = "clk_100mhz_i", "rst_n"
 
@@ -188,28 +192,34 @@ class BoardTest(EnvironmentTest):
         self.pose = (x, y, z)
 
     def asked(
-        self, mode: int = Mode.ALL, margin: int = 0, tries: tuple[int, int] = (0, 0), hold: int = 0
-    ) -> bytes:
-        """Return the payload of a RUN on the meshes that the board holds; ``tries``: a `Trial`, and which."""
+        self, mode: int = Mode.ALL, margin: int = 0, tries: tuple[int, int] = (0, 0), hold: int = 0,
+        zones: tuple[int, int] = NO_ZONES,
+    ) -> bytes:  # fmt: skip
+        """Return the payload of a RUN on the meshes that the board holds.
+
+        ``tries``: a `Trial`, and which; ``zones``: margins of the zones slow and warn.
+        """
         counts = (len(mesh) for mesh in self.env.scoreboard.reference.meshes)
         kind, which = tries
-        return RUN.pack(mode, margin, *counts, kind * WHICHES + which, *self.pose, hold)
+        return RUN.pack(mode, margin, *zones, *counts, kind * WHICHES + which, *self.pose, hold)
 
     async def start(
-        self, mode: int = Mode.ALL, margin: int = 0, tries: tuple[int, int] = (0, 0), hold: int = 0
-    ) -> None:
+        self, mode: int = Mode.ALL, margin: int = 0, tries: tuple[int, int] = (0, 0), hold: int = 0,
+        zones: tuple[int, int] = NO_ZONES,
+    ) -> None:  # fmt: skip
         """Start a run; its reply has come."""
-        await self.ask(Command.RUN, self.asked(mode, margin, tries, hold))
+        await self.ask(Command.RUN, self.asked(mode, margin, tries, hold, zones))
 
     async def idle(self) -> None:
         """Wait until no run goes on."""
         await self.line(until=Until.IDLE)
 
     async def run(
-        self, mode: int = Mode.ALL, margin: int = 0, tries: tuple[int, int] = (0, 0), hold: int = 0
-    ) -> None:
+        self, mode: int = Mode.ALL, margin: int = 0, tries: tuple[int, int] = (0, 0), hold: int = 0,
+        zones: tuple[int, int] = NO_ZONES,
+    ) -> None:  # fmt: skip
         """Run to the end, and ask how it ended."""
-        await self.start(mode, margin, tries, hold)
+        await self.start(mode, margin, tries, hold, zones)
         await self.idle()
         await self.status()
 
@@ -255,6 +265,27 @@ class BoardTest(EnvironmentTest):
         centres = self.rng.integers(-spread, spread + 1, (count, 1, 3))
         size = max(2, spread // 3)
         return np.asarray(centres + self.rng.integers(-size, size + 1, (count, 3, 3)), np.int64)
+
+    def some_zones(self, margin: int, trial: int = Trial.NOTHING) -> tuple[int, int]:
+        """Return margins of the zones slow and warn: often none, or wider by little or much, also no wider.
+
+        None for what the core tries: what comes of that depends on how it is asked, and so on the moment.
+        """
+        most = self.parameters.max_margin
+        if trial in ATTEMPTS or not self.rng.integers(3):
+            return NO_ZONES
+        steps = self.rng.integers(1, max(2, most // int(self.rng.choice([2, 8])) + 1), 2)
+        slow, warn = (min(margin + int(step), most) for step in np.cumsum(steps))
+        kinds = (
+            (slow, warn),
+            (slow, 0),
+            (slow, slow),
+            (0, warn),
+            (warn, slow),
+            (margin, margin),
+            (most, most),
+        )
+        return kinds[int(self.rng.integers(len(kinds)))]
 
     async def clear_scene(self) -> None:
         """Load two triangles 5 apart."""

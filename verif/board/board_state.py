@@ -8,6 +8,9 @@ from triaxis.golden.scene import SceneAnswer
 from triaxis.verif.board.protocol import Code, Integers, Mode, State, Status
 from triaxis.verif.board.protocol import End as RunEnd
 
+# Of the pins the first that says beyond a zone; and the bits of both.
+BEYOND, ALL_ZONES = 18, 3
+
 
 @dataclass(frozen=True)
 class Pins:
@@ -48,6 +51,11 @@ class Pins:
         """Return the low bits of the count of errors."""
         return self.value >> 10 & 0xFF
 
+    @property
+    def beyond(self) -> int:
+        """Return which zones it is said to be beyond: bits, of slow and warn."""
+        return self.value >> BEYOND & ALL_ZONES
+
 
 @dataclass
 class Frame:
@@ -76,12 +84,13 @@ class Run:
     ``fails``: a check fails in it, by its end, where nothing ends it before; ``may_fail``: one may, at any
     clock of it. ``persists``: it fails for as long as it goes on.
     ``scrub_finds``: one fails after it. ``hold``: for how long it permits, in the board's units; 0: without
-    an end.
+    an end. ``margins``: how wide the zones are, from the innermost; ``found``: the outer ones in which any
+    pair is, bits of slow and warn. ``taken``: near pairs that were read, by their number.
     """
 
     number: int = 0
     mode: int = 0
-    margin: int = 0
+    margins: tuple[int, int, int] = (0, 0, 0)
     pose: tuple[int, int, int] = (0, 0, 0)
     tries: tuple[int, int] = (0, 0)
     hold: int = 0
@@ -97,9 +106,22 @@ class Run:
     # It began while a fault stood.
     spoiled: bool = False
     answer: SceneAnswer | None = None
+    found: int = 0
     pairs: Integers = field(default_factory=lambda: np.empty((0, 2), np.int64))
+    taken: dict[int, tuple[int, int]] = field(default_factory=dict)
     freed: int = 0
     written: int = 0
+
+    @property
+    def wider(self) -> int:
+        """Return which zones are wider than the one within them, bits of slow and warn."""
+        margin, slow, warn = self.margins
+        return (slow > margin) + 2 * (warn > slow)
+
+    @property
+    def zones(self) -> int:
+        """Return the bits of zones where the run ends by itself: no other zone was asked about."""
+        return self.found | ~self.wider & ALL_ZONES
 
     @property
     def near(self) -> int:

@@ -38,7 +38,8 @@ _BUSY = 1 << 4
 _DIGITS = 8
 # Stop, by pin and LED; the line idle; nothing lit; the number 0.
 _AT_POWER_UP = {
-    "go_o": 0, "stop_o": 1, "beat_o": 0, "uart_tx_o": 1, "led_o": 2, "an_no": 0xFF, "seg_no": 0xC0,
+    "go_o": 0, "stop_o": 1, "beat_o": 0, "beyond_slow_o": 0, "beyond_warn_o": 0, "uart_tx_o": 1, "led_o": 2,
+    "an_no": 0xFF, "seg_no": 0xC0,
 }  # fmt: skip
 
 
@@ -312,7 +313,8 @@ class PinPlayer:
 
     def _note(self) -> None:
         values = self._values
-        seen = values["led_o"] << 2 | values["stop_o"] << 1 | values["go_o"]
+        beyond = values["beyond_warn_o"] << 1 | values["beyond_slow_o"]
+        seen = beyond << 18 | values["led_o"] << 2 | values["stop_o"] << 1 | values["go_o"]
         if seen != self._seen:
             # A run has ended.
             self._settled |= bool(self._seen & ~seen & _BUSY)

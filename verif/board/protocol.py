@@ -19,9 +19,9 @@ Code = IntEnum("Code", "OK UNKNOWN LENGTH SESSION SEQUENCE BUSY VALUE PLACE COUN
 Mode = IntEnum("Mode", "FIRST ALL COUNT", start=0)
 State = IntEnum("State", "NEVER RUNNING DONE", start=0)
 End = IntEnum("End", "NONE COMPLETE FIRST ABORTED OVERFLOW OVERFULL BAD_MODE FAULT", start=0)
-Flag = IntEnum("Flag", "GO WAITING EXPIRED FAULT", start=0)
+Flag = IntEnum("Flag", "GO WAITING EXPIRED FAULT SLOW WARN", start=0)
 
-VERSION = 6
+VERSION = 7
 REPLY = 0x80
 END, ESC, ESC_END, ESC_ESC = 0xC0, 0xDB, 0xDC, 0xDD
 SHORTEST, LONGEST = 13, 256
@@ -31,8 +31,8 @@ RING = 1024
 MOST_ERRORS = (1 << 12) - 1
 COUNTERS = ("cycles", "groups_skipped", "groups_opened", "pairs_skipped", "tested", "near")
 
-# RUN's payload: mode, margin, counts, what it tries, pose, hold; and its answer: number, hold.
-RUN, BEGUN = struct.Struct("<BIHHB3iH"), struct.Struct("<BH")
+# RUN's payload: mode, margin, slow, warn, counts, what it tries, pose, hold; and its answer: number, hold.
+RUN, BEGUN = struct.Struct("<B3IHHB3iH"), struct.Struct("<BH")
 # LOAD's answer: triangles held, and their signature.
 LOADED = struct.Struct("<HI")
 _STATUS = struct.Struct("<5B3i7I3H")

@@ -9,16 +9,18 @@ they pin today's timing, and are no word on whether it is right.
 import struct
 import zlib
 from collections.abc import Callable
+from dataclasses import replace
 from heapq import heappop, heappush
 from itertools import count
 
 import numpy as np
 
+from triaxis.coverage.board_coverage import MARGINS, WIDER, ZONES, found_in
 from triaxis.golden.pairs import coordinate_range
-from triaxis.golden.scene import scene_answer
+from triaxis.golden.scene import SceneAnswer, scene_answer
 from triaxis.sim.board_parameters import BoardParameters
 from triaxis.sim.mesh_engine import Trial
-from triaxis.verif.board.board_state import Due, Frame, Pins, Run
+from triaxis.verif.board.board_state import ALL_ZONES, BEYOND, Due, Frame, Pins, Run
 from triaxis.verif.board.frame_receiver import FrameReceiver
 from triaxis.verif.board.protocol import (
     BEGUN,
@@ -55,7 +57,7 @@ _CUT_OFF = 256
 _NOT_COUNTED = 1
 
 # Clocks from the end of a frame until it is executed: header, fields, verdict.
-EXECUTED = 35
+EXECUTED = 43
 # Clocks from the verdict until then: what ends between changes nothing.
 _JUDGED = 1
 # How long HELLO and ABORT take where no run has to end first.
@@ -112,8 +114,9 @@ class BoardReference:
         # A check has failed; in doubt: nobody can know, since an error before it lights the same LED.
         self.fault = self.in_doubt = self._acknowledged = False
         self.errors = 0
-        # The clock from which go is not said any more.
+        # The clock from which go is not said any more, and the zones that it is not said to be beyond.
         self.deadline: int | None = None
+        self.inside = ALL_ZONES
         self.kicked = self._silent = -1
         self._beat_due, self._go_number = False, next(self._numbers)
 
@@ -163,10 +166,10 @@ class BoardReference:
             self._act(held)
         expected = self._expected()
         if pins.value != expected:
-            self._wrong(f"go, stop and LEDs are {pins.value:018b}, {expected:018b} is due")
+            self._wrong(f"beyond, LEDs, stop and go are {pins.value:020b}, {expected:020b} is due")
             # Not to be told again and again.
             self.errors += pins.errors - self.errors & 0xFF
-            self.go = pins.go
+            self.go, self.inside = pins.go, ~pins.beyond & ALL_ZONES
         if self.beat_level != self._beat_due:
             self._wrong(f"the beat is {self.beat_level}, {self._beat_due} is due")
             self._beat_due = self.beat_level
@@ -185,6 +188,7 @@ class BoardReference:
         return (
             said | said << 2 | pins.busy << 4 | self.alive << 5 | waiting << 6 | full << 7
             | self.expired << 8 | self._wrong_shown << 9 | (self.errors & 0xFF) << 10
+            | (~self.inside & ALL_ZONES if self.go else 0) << BEYOND
         )  # fmt: skip
 
     @property
@@ -252,6 +256,8 @@ class BoardReference:
         self._moment(self.held or self._answered)
         if not run.maybe_aborted:
             self._happened("board_runs", f"{Mode(run.mode).name}, {said}")
+            if run.end == RunEnd.COMPLETE and not self.fault:
+                self._happened("board_zones", f"{WIDER[run.wider]}, {found_in(run.found, run.near)}")
         was_go, due = self.go, self.deadline
         if self.armed and clear and (not run.maybe_aborted or self.pins.go):
             self._say_go()
@@ -289,8 +295,11 @@ class BoardReference:
         if self.deadline:
             # It is looked at where anything happens.
             self._at(self.deadline, lambda _: None)
+        was, self.inside = self.inside, self.run.zones
         if self.go:
+            self._happened("board_beyond", f"{ZONES[was]}, then {ZONES[self.inside]}")
             return
+        self._happened("board_beyond", f"go, {ZONES[self.inside]}")
         self.go = True
         if self._acknowledged:
             self._happened("board_faults", "go after it was acknowledged")
@@ -381,6 +390,7 @@ class BoardReference:
         if self.go or self.armed:
             self._happened("board_ends", f"{what} ends {'go' if self.go else 'a promise of go'}")
         if self.go:
+            self._happened("board_beyond", f"{ZONES[self.inside]}, then stop")
             self._at(self.clock + 1, self._end_beat)
         self.go = self.armed = False
 
@@ -435,9 +445,9 @@ class BoardReference:
     def _command_code(self, command: int, payload: bytes) -> Code:
         if command == Command.LOAD:
             return self._load_code(payload)
-        mode, margin, *counts, _, x, y, z, _ = RUN.unpack(payload)
+        mode, margin, slow, warn, *counts, _, x, y, z, _ = RUN.unpack(payload)
         reach = 1 << self.parameters.width
-        if mode > Mode.COUNT or margin > self.parameters.max_margin:
+        if mode > Mode.COUNT or max(margin, slow, warn) > self.parameters.max_margin:
             return Code.VALUE
         if not all(-reach <= value < reach for value in (x, y, z)):
             return Code.VALUE
@@ -538,6 +548,8 @@ class BoardReference:
             self._happened("board_done", f"{name}{' again' if repeats else ''}, {state}")
         else:
             self._happened("board_refused", f"{code.name} of {name}")
+            if (frame.command, code) == (Command.RUN, Code.VALUE):
+                self._tell_wide(frame)
         if code == Code.OK and not repeats:
             self._execute(frame, alive)
         elif code != Code.OK:
@@ -551,6 +563,15 @@ class BoardReference:
             return
         for what, end in (("run", self.run.ended), ("silence", frame.silence)):
             self._happened("board_moments", f"{Command(frame.command).name} {frame.due - end:+d}, {what}")
+
+    def _tell_wide(self, frame: Frame) -> None:
+        """Tell which margin alone is too wide, where a run is refused."""
+        margins = RUN.unpack(frame.payload)[1:4]
+        wide = [
+            name for name, margin in zip(MARGINS, margins, strict=True) if margin > self.parameters.max_margin
+        ]
+        if len(wide) == 1:
+            self._happened("board_refused", f"{wide[0]} too wide")
 
     def _refuse(self, code: Code) -> None:
         if code == Code.SESSION:
@@ -578,10 +599,12 @@ class BoardReference:
             given = loaded_triangles(payload, self.parameters.width)
             self.meshes[mesh] = np.concatenate([self.meshes[mesh], given]) if first else given
         elif command == Command.RUN:
-            mode, margin, _, _, trial, *pose, hold = RUN.unpack(payload)
+            mode, margin, slow, warn, _, _, trial, *pose, hold = RUN.unpack(payload)
             number = (self.run.number + 1) % 256
             tries = divmod(trial, WHICHES)
-            self._start(Run(number, mode, margin, tuple(pose), tries, hold, State.RUNNING, self.clock))
+            # No zone is narrower than the one within it.
+            margins = margin, max(margin, slow), max(margin, slow, warn)
+            self._start(Run(number, mode, margins, tuple(pose), tries, hold, State.RUNNING, self.clock))
             self.armed = alive and not self.fault
         elif command == Command.RESULTS:
             (self.run.freed,) = struct.unpack("<I", payload)
@@ -592,11 +615,20 @@ class BoardReference:
         moved = a + np.array(run.pose, np.int64)
         low, high = coordinate_range(self.parameters.width)
         run.overflow = bool(moved.min() < low or moved.max() > high)
+        answers: list[SceneAnswer] = []
         if not run.overflow:
-            run.answer = scene_answer(moved, b, run.margin, self.parameters.group)
+            found = {
+                margin: scene_answer(moved, b, margin, self.parameters.group) for margin in set(run.margins)
+            }
+            answers = [found[margin] for margin in run.margins]
+            # What is skipped is further than the widest zone, and what is near within the margin.
+            run.answer = replace(answers[-1], near=answers[0].near)
         self._try(run)
         if run.answer:
             run.pairs = run.answer.near_pairs
+            # What is in a zone is in all around it.
+            for bit, answer in enumerate(answers[1:]):
+                run.found |= bool(run.near or answer.near.any()) << bit
         self.run = run
         self._expect_end(run)
 
@@ -609,7 +641,8 @@ class BoardReference:
             self._at(self.clock + after, lambda _: self._fail() if self.run is run else None)
         else:
             (a, b), no = self.meshes, (False, False)
-            request = RunRequest(run.pose, run.margin, run.mode, run.tries)
+            margin, *zones = run.margins
+            request = RunRequest(run.pose, margin, run.mode, run.tries, (zones[0], zones[1]))
             observed = ObservedRun(RunAccepted(request), a, b, no, no)
             outcome = tried(observed, run.answer, self.parameters.engine)
             run.answer, run.fails, run.may_fail = outcome.answer, outcome.fails, outcome.may_fail
@@ -675,6 +708,7 @@ class BoardReference:
         flags = self.pins.go << Flag.GO | self.pins.waiting << Flag.WAITING | self.expired << Flag.EXPIRED
         counters, end = _NO_COUNTERS, RunEnd.NONE
         if run.state == State.DONE:
+            flags |= run.zones << Flag.SLOW
             end = run.end
             cycles = run.ended - run.start - _NOT_COUNTED
             counters = (cycles, 0, 0, 0, 0, 0)
@@ -683,7 +717,7 @@ class BoardReference:
                 skipped, opened = answer.group_pairs_skipped, answer.group_pairs_opened
                 counters = (cycles, skipped, opened, answer.pairs_skipped, answer.tested, run.near)
         fields = (
-            run.number, run.state, end, flags, run.mode, *run.pose, run.margin, *counters, self.errors,
+            run.number, run.state, end, flags, run.mode, *run.pose, run.margins[0], *counters, self.errors,
             *(len(mesh) for mesh in self.meshes),
         )  # fmt: skip
         status = Status._make(fields)

@@ -3,8 +3,19 @@
 import struct
 from collections.abc import Callable
 
-from triaxis.verif.board.board_state import Due, Run
-from triaxis.verif.board.protocol import COUNTERS, MOST_NEAR, REPLY, Command, Flag, Mode, Reply, State, Status
+from triaxis.verif.board.board_state import ALL_ZONES, Due, Run
+from triaxis.verif.board.protocol import (
+    COUNTERS,
+    MOST_NEAR,
+    REPLY,
+    Command,
+    Flag,
+    Integers,
+    Mode,
+    Reply,
+    State,
+    Status,
+)
 from triaxis.verif.board.protocol import End as RunEnd
 
 
@@ -52,6 +63,8 @@ class ReplyCheck:
                 self._happened("board_runs", f"{Mode(run.mode).name}, aborted")
             run.maybe_aborted = True
         stopped = run.end == RunEnd.FIRST and expected.end in (RunEnd.FIRST, RunEnd.FAULT)
+        if run.maybe_aborted and status.state == State.DONE:
+            expected = _some_zones(run, expected, status)
         if run.maybe_aborted or stopped:
             # How far it came nobody knows; not too far.
             for name in COUNTERS[1:]:
@@ -72,7 +85,7 @@ class ReplyCheck:
             self._tell(f"near pairs from {first}, {number} of them, {len(reply.pairs)} were sent")
             return
         seen = first + number
-        if seen > run.offered or (reply.pairs != run.pairs[first:seen]).any():
+        if seen > run.offered or not _taken(run, first, reply.pairs):
             self._tell(f"near pairs from {first} are not those of the scene: {reply.pairs.tolist()}")
         certain = due.status is not None and due.status.state == State.DONE and not run.maybe_aborted
         if number != (min(MOST_NEAR, run.offered - first) if certain and not run.overflow else number):
@@ -86,6 +99,33 @@ def faulty(status: Status) -> Status:
     """Return a status as it is where a check has failed."""
     end = status.end if status.end == RunEnd.NONE else RunEnd.FAULT
     return status._replace(flags=status.flags | 1 << Flag.FAULT, end=end)
+
+
+def _some_zones(run: Run, expected: Status, status: Status) -> Status:
+    """Return what is expected of a run that was cut off: in some of the zones something was found by then."""
+    told = status.flags >> Flag.SLOW & ALL_ZONES
+    least = ALL_ZONES if status.near else run.zones & ~run.wider
+    # What is in a zone is in all around it.
+    if told & run.wider & 1:
+        least = ALL_ZONES
+    if least & ~told or told & ~run.zones:
+        return expected
+    return expected._replace(flags=expected.flags & ~(ALL_ZONES << Flag.SLOW) | told << Flag.SLOW)
+
+
+def _taken(run: Run, first: int, pairs: Integers) -> bool:
+    """Return whether near pairs are those of the scene, as before where they were read; and note them.
+
+    Without zones they come in the order of the scan.
+    """
+    if not run.wider:
+        return not (pairs != run.pairs[first : first + len(pairs)]).any()
+    for number, pair in enumerate(map(tuple, pairs.tolist()), first):
+        if run.taken.setdefault(number, pair) != pair:
+            return False
+    return set(run.taken.values()) <= set(map(tuple, run.pairs.tolist())) and len(
+        set(run.taken.values())
+    ) == len(run.taken)
 
 
 def _ended_as(run: Run, status: Status) -> bool:

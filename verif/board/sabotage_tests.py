@@ -7,6 +7,7 @@ from itertools import count
 import numpy as np
 
 from triaxis.sim.simulated_board import BEAT, BEGIN, LIT, PINS, RX, TX
+from triaxis.verif.board.board_state import BEYOND
 from triaxis.verif.board.line_agent import LineMonitor, Seen
 from triaxis.verif.board.uvm_tests import BoardSmokeTest
 from triaxis.verif.testbench.sabotage import lie_about
@@ -53,6 +54,12 @@ class BoardGoTooMuchTest(_SabotagedTest):
     """Go is seen where stop is said."""
 
     kind, which, falsify = PINS, range(3, 4), _changed("value", lambda pins: pins & ~_STOP | _GO)
+
+
+class BoardBeyondTooMuchTest(_SabotagedTest):
+    """Beyond a zone is seen where stop is said."""
+
+    kind, which, falsify = PINS, range(3, 4), _changed("value", lambda pins: pins | 1 << BEYOND)
 
 
 class BoardGoLateTest(_SabotagedTest):

@@ -2,11 +2,12 @@
 
 import struct
 from collections.abc import Awaitable, Callable
+from itertools import product
 
 import numpy as np
 
 from triaxis.golden.pairs import coordinate_range
-from triaxis.sim.mesh_engine import Trial
+from triaxis.sim.mesh_engine import NO_ZONES, Trial
 from triaxis.verif.board.base_test import SESSION, BoardTest
 from triaxis.verif.board.line_agent import Act, Until
 from triaxis.verif.board.protocol import (
@@ -73,6 +74,10 @@ class BoardSmokeTest(BoardTest):
         await self.digits()
         await self.all_results()
         await self.again(Command.RESULTS, struct.pack("<I", 1))
+        self.move(0, 0, 2)
+        for zones in ((1, 4), (2, 3), (4, 1), (0, 4)):
+            slow, warn = (min(zone, self.parameters.max_margin) for zone in zones)
+            await self.run(Mode.COUNT, zones=(slow, warn))
         await self.ask(Command.ABORT)
         await self.again(Command.ABORT)
         await self.load(0, self.flat(0, 2))
@@ -109,7 +114,8 @@ class BoardGoTest(BoardTest):
         await self.hello()
         for _, end in sorted(self.ends.items()):
             await self.needed(1)
-            await self.clear_run()
+            self.move(0, 0, int(self.rng.choice([0, 40])))
+            await self.run(zones=self.some_zones(0))
             await end()
             await self.status()
             await self.digits()
@@ -163,8 +169,8 @@ class BoardGoTest(BoardTest):
             "length": lambda: ask(Command.STATUS, b"\0"),
             "session": lambda: ask(Command.STATUS, session=1),
             "sequence": lambda: ask(Command.STATUS, ahead=2),
-            "value": lambda: ask(Command.RUN, RUN.pack(3, 0, 1, 1, 0, 0, 0, 0, 0)),
-            "counts": lambda: ask(Command.RUN, RUN.pack(0, 0, 9, 9, 0, 0, 0, 0, 0)),
+            "value": lambda: ask(Command.RUN, RUN.pack(3, 0, 0, 0, 1, 1, 0, 0, 0, 0, 0)),
+            "counts": lambda: ask(Command.RUN, RUN.pack(0, 0, 0, 0, 9, 9, 0, 0, 0, 0, 0)),
             "place": lambda: ask(Command.LOAD, load_payload(0, 99, self.flat(), self.parameters.width)),
             "silence": lambda: self.clocks(self.parameters.watchdog_clocks),
             "trial": self.trial,
@@ -206,6 +212,7 @@ class BoardHoldTest(BoardGoTest):
             await self.followed()
             await self.broken_off()
             await self.late()
+            await self.zoned()
         await self.at_the_deadline()
         await self.in_runs(hold=60)
 
@@ -217,7 +224,8 @@ class BoardHoldTest(BoardGoTest):
             if number == 6:
                 await self.start(hold=int(self.rng.choice([0, 0xFFFF])))
                 await self.idle()
-            await self.start(int(self.rng.integers(3)), hold=int(self.rng.integers(8, 30)))
+            hold, zones = int(self.rng.integers(8, 30)), self.some_zones(0)
+            await self.start(int(self.rng.integers(3)), hold=hold, zones=zones)
             await self.idle()
             if self.rng.integers(2):
                 await self.status()
@@ -256,6 +264,23 @@ class BoardHoldTest(BoardGoTest):
             await self.run(hold=hold)
             await self.ask(Command.ABORT)
             await self.run(hold=40)
+
+    async def zoned(self) -> None:
+        """Be in each zone that is asked for; have segments go from each into each, and go end in each."""
+        await self.clear_scene()
+        # 5 apart where the pose is 0, and further at -6 and -20.
+        for pose, zones in product((-20, -6, 0, 5), (NO_ZONES, (16, 0), (0, 16), (8, 16))):
+            self.move(0, 0, pose)
+            await self.run(Mode.COUNT, zones=zones)
+        # Beyond both zones, beyond either, beyond none.
+        places = ((-20, (8, 16)), (-6, (8, 16)), (-20, (0, 16)), (0, (8, 16)))
+        for last, then in product(places, places):
+            # The first does not hold: it ends go that is said.
+            for (pose, zones), hold in ((last, 0), (then, 40)):
+                self.move(0, 0, pose)
+                await self.start(int(self.rng.integers(3)), hold=hold, zones=zones)
+                await self.idle()
+                await self.status()
 
     async def at_the_deadline(self) -> None:
         """Have a segment end at each clock around the deadline of the one before."""
@@ -487,13 +512,17 @@ class BoardRefusalsTest(BoardTest):
         """Run in modes and with margins that there are not, of other counts, of nothing."""
         await self.scene(self.flat(0, 3), self.flat(5, 2))
         most = self.parameters.max_margin
-        for mode, margin, a, b in (
-            (3, 0, 3, 2), (4, 0, 3, 2), (255, 0, 3, 2), (1, most + 1, 3, 2), (1, 1 << 31, 3, 2), (1, 0, 2, 2),
-            (1, 0, 3, 3), (1, 0, 2, 3), (1, 0, 3 + 256, 2), (1, 0, 3, 2 + 256), (1, 0, 0, 0),
+        for mode, a, b in (
+            (3, 3, 2), (4, 3, 2), (255, 3, 2), (1, 2, 2), (1, 3, 3), (1, 2, 3), (1, 3 + 256, 2),
+            (1, 3, 2 + 256), (1, 0, 0),
         ):  # fmt: skip
-            await self.ask(Command.RUN, RUN.pack(mode, margin, a, b, 0, 0, 0, 0, 0))
+            await self.ask(Command.RUN, RUN.pack(mode, 0, 0, 0, a, b, 0, 0, 0, 0, 0))
+        for place, wide in product(range(3), (most + 1, 1 << 31)):
+            margins = np.roll([wide, most, 0], place).tolist()
+            await self.ask(Command.RUN, RUN.pack(1, *margins, 3, 2, 0, 0, 0, 0, 0))
         for margin in sorted({0, min(4, most), min(5, most), most}):
             await self.run(Mode.ALL, margin)
+            await self.run(Mode.ALL, margin, zones=(most, most))
         await self.results(99)
         await self.all_results()
         await self.results(7)
@@ -510,7 +539,8 @@ class BoardRefusalsTest(BoardTest):
     async def forgotten(self) -> None:
         """Run at a pose with a margin, say HELLO: the last run, then nothing, is at that pose."""
         self.move(1, -2, 3)
-        await self.run(Mode.COUNT, self.parameters.max_margin)
+        most = self.parameters.max_margin
+        await self.run(Mode.COUNT, most, zones=(most, most))
         await self.status()
         self.move()
         await self.hello()
@@ -659,7 +689,8 @@ class BoardAbortTest(BoardTest):
         await self.scene(self.flat(0, count), self.corners(count))
         for command in (Command.ABORT, Command.ABORT, Command.HELLO):
             for _ in range(6):
-                await self.ended_by(command, Mode(int(self.rng.integers(3))), int(self.rng.integers(2800)))
+                mode, wait = Mode(int(self.rng.integers(3))), int(self.rng.integers(2800))
+                await self.ended_by(command, mode, wait, self.some_zones(0))
                 if command == Command.HELLO:
                     await self.status()
                     await self.scene(self.flat(0, count), self.corners(count))
@@ -668,7 +699,7 @@ class BoardAbortTest(BoardTest):
         await self.clear_run()
         await self.scene(self.cloud(count, 20), self.cloud(count, 20))
         for _ in range(4):
-            await self.ended_by(Command.ABORT, Mode.ALL, int(self.rng.integers(1300)))
+            await self.ended_by(Command.ABORT, Mode.ALL, int(self.rng.integers(1300)), self.some_zones(0))
             await self.results(0)
         await self.run(Mode.ALL)
         await self.all_results()
@@ -685,11 +716,11 @@ class BoardAbortTest(BoardTest):
             # How long after its run's beginning the first came says how long the others wait for the end.
             wait += 1 if number else length - 6 - after
 
-    async def ended_by(self, command: int, mode: int, wait: int) -> int:
+    async def ended_by(self, command: int, mode: int, wait: int, zones: tuple[int, int] = NO_ZONES) -> int:
         """Begin a run and end it some time later; return how many clocks after its beginning."""
         payload = self.asked() if command == Command.RUN else b""
         ended = framed(self.frame(command, payload, ahead=2))
-        frame = framed(self.frame(Command.RUN, self.asked(mode)))
+        frame = framed(self.frame(Command.RUN, self.asked(mode, zones=zones)))
         # The last byte of the one and the whole other come while the run goes on; the other's end at a clock
         # that does not depend on how many of its bytes are escaped.
         longest = _BYTE * (22 + len(payload))
@@ -912,7 +943,7 @@ class BoardTrialsTest(BoardTest):
     async def tried(self, tries: tuple[int, int], mode: int = Mode.ALL) -> None:
         """Try a check; where it fails, often run again."""
         await self.needed()
-        await self.run(mode, 0, tries)
+        await self.run(mode, 0, tries, zones=self.some_zones(0, tries[0]))
         if self.env.scoreboard.reference.fault and not self.rng.integers(8):
             await self.clear_run()
             await self.digits()
@@ -1088,8 +1119,8 @@ class BoardResetsTest(BoardTest):
         """Press it at the clocks in which commands are executed, after a run of which nothing is 0."""
         width = self.parameters.width
         for command, clocks in (
-            (Command.LOAD, range(0, 122, 2)), (Command.RUN, range(102)), (Command.HELLO, range(0, 42, 2)),
-            (Command.ABORT, range(40, 80, 12)),
+            (Command.LOAD, range(0, 130, 2)), (Command.RUN, range(110)), (Command.HELLO, range(0, 50, 2)),
+            (Command.ABORT, range(48, 88, 12)),
         ):  # fmt: skip
             # What is cut off goes on for some time.
             going = command == Command.ABORT
@@ -1098,7 +1129,8 @@ class BoardResetsTest(BoardTest):
                 await self.hello()
                 self.move(3, 2, 1)
                 await self.scene(self.flat(0, count), self.corners(count) if going else self.flat(9, count))
-                await self.start(Mode.COUNT, self.parameters.max_margin & 3, (0, 9), hold=9)
+                most = self.parameters.max_margin
+                await self.start(Mode.COUNT, most & 3, (0, 9), 9, (most // 2, most))
                 if not going:
                     await self.idle()
                 payload = {
@@ -1188,9 +1220,13 @@ class BoardMixedTest(BoardTest):
             await self.load(mesh, self.cloud(counts[mesh], spread))
 
     async def some_run(self) -> None:
-        """Run in some mode at some margin, and read what is near."""
-        margin, hold = self.rng.choice([0, 0, self.parameters.max_margin]), self.rng.choice([0, 0, 1, 9, 60])
-        await self.start(int(self.rng.integers(3)), int(margin), hold=int(hold))
+        """Run in some mode at some margins, at times one that is too wide, and read what is near."""
+        most = self.parameters.max_margin
+        margin, hold = int(self.rng.choice([0, 0, most])), int(self.rng.choice([0, 0, 1, 9, 60]))
+        margins = [margin, *self.some_zones(margin)]
+        if not self.rng.integers(8):
+            margins[int(self.rng.integers(3))] = int(self.rng.integers(most + 1, 2**32))
+        await self.start(int(self.rng.integers(3)), margins[0], hold=hold, zones=(margins[1], margins[2]))
         if self.rng.integers(2):
             await self.idle()
         await self.all_results()
@@ -1199,7 +1235,8 @@ class BoardMixedTest(BoardTest):
     async def some_trial(self) -> None:
         """Try a check in a run of some mode; mostly be told of what has failed, and begin again."""
         kind, which = int(self.rng.integers(1, len(Trial))), int(self.rng.choice([0, 1, 2, 4, 31]))
-        await self.start(int(self.rng.integers(3)), 0, (kind, which))
+        mode, zones = int(self.rng.integers(3)), self.some_zones(0, kind)
+        await self.start(mode, 0, (kind, which), zones=zones)
         if self.rng.integers(2):
             await self.idle()
         await self.all_results()
@@ -1212,7 +1249,7 @@ class BoardMixedTest(BoardTest):
         """Run far away, or near."""
         reach = int(self.rng.choice([20, 700, 1 << self.parameters.width - 1]))
         self.move(*self.rng.integers(-reach, reach, 3).tolist())
-        await self.run()
+        await self.run(zones=self.some_zones(0))
 
     async def some_talk(self) -> None:
         """Send what changes nothing, twice, or at another number."""

@@ -136,6 +136,7 @@ FAULTS = (
     _further("hang", "A pair with a certain tag is never accepted."),
     _further("lost-results", "Results with certain tags are lost."),
     _engine("engine-margin-left-out", "Boxes are skipped as if the margin were 0."),
+    _engine("engine-zones-skipped", "Boxes are skipped by the margin, not by that of the widest zone."),
     _engine("engine-groups-unmoved", "Boxes of A's groups are compared where A was loaded, not where it is."),
     _engine("engine-lane-mask", "The last triangle of a mesh, and its last group, count as not there."),
     _engine("engine-group-not-begun", "The box of a group goes on from that of the group before."),

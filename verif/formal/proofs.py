@@ -239,7 +239,7 @@ def _multiply() -> SbyProof:
 def _skip(name: str, width: int, whole: bool) -> SbyProof:
     claim = (
         "A box of A, moved, is skipped exactly where one axis separates it from the box of B by more than "
-        "the margin, and boxes around two boxes only where these are, for all boxes, translations and "
+        "the widest margin, and boxes around two boxes only where these are, for all boxes, translations and "
         "margins of few bits."
         if whole
         else "Every sum and every comparison behind a skip is that of whole numbers; boxes around two boxes "
@@ -279,22 +279,65 @@ def _walk() -> SbyProof:
     proof = _assertions(
         "engine_walk",
         "For all time and under every pattern of stalls, aborts and resets: of a run that is said to be "
-        "complete each pair of triangles was handed to the core, once, with the vertices that are stored, "
-        "A's moved as asked, and verdicts of all that was handed over were taken; or its boxes, or those of "
-        "its groups or of the whole of B around them, lie apart on one axis by more than the margin. While "
-        "a mesh is scrubbed no run goes on, and nothing of it is read.",
+        "complete each pair of triangles was handed to the core, once, or again in a narrower zone, with "
+        "the vertices that are stored, A's moved as asked, and the margin of the zone, and verdicts of all "
+        "that was handed over were taken; its last one is that it is near, of the margin itself, and then "
+        "the run says that something is in each zone, or that it is clear, of a margin no less than that of "
+        "each zone in which the run says that nothing is, which is never one that is no wider than the one "
+        "within it; or its boxes, or those of its groups or of the "
+        "whole of B around them, lie apart on one axis by more than the widest margin. Each pair that is to "
+        "be asked again finds room in its queue. While a mesh is scrubbed no run goes on, and nothing of it "
+        "is read.",
         _WALK,
         {"W": 4, "M": 4, "Depth": 16, "Group": 4, "Lanes": 2},
-        26,
+        30,
         (
-            "queues of four places in the copy that is proved, as in `engine_queue`",
+            "queues of four places in the copy that is proved, as in `engine_queue`, and a core of two; "
+            "that the queue of pairs that are asked again is long enough at the size of the board is "
+            "`engine_again`",
             "what is read of a memory is what was written: `engine_memory`; it is read where a run asks, and "
             "boxes lie around their triangles: `engine_boxes`",
-            "the core gives one verdict a pair, at any time: `streams`, `certified`",
+            "the core gives one verdict a pair, with its own tag, at any time: `streams`, `certified`",
         ),
         beside=("triaxis_mesh_surroundings",),
     )
-    return replace(proof, edits={"mesh/triaxis_walk.sv": (("QueueDepth = 16", "QueueDepth = 4"),)})
+    few = {
+        "mesh/triaxis_walk.sv": (("QueueDepth = 16", "QueueDepth = 4"),),
+        "mesh/triaxis_mesh.sv": (("InFlight = 2 ** $clog2(CoreLatency) + 2", "InFlight = 4"),),
+    }
+    return replace(proof, edits=few)
+
+
+def _again() -> SbyProof:
+    return _assertions(
+        "engine_again",
+        "For all time and under every pattern of stalls, aborts and resets, at the size of the board: each "
+        "pair that is to be asked again finds room in its queue, and is asked before any that is new; no "
+        "more pairs are on their way to a verdict than can be counted.",
+        (
+            *(
+                f"mesh/triaxis_{module}"
+                for module in (
+                    "mesh",
+                    "walk",
+                    "run_control",
+                    "near_pairs",
+                    "pair_fetch",
+                    "pick",
+                    "stream_fifo",
+                )
+            ),
+            "core/triaxis_fifo",
+        ),
+        {"W": _WIDTH, "M": _WIDTH, "Depth": 4096, "Group": 8, "Lanes": 8},
+        20,
+        (
+            "the core holds no more pairs than it has places: `certified`",
+            "pairs come from the scan at any clocks: `engine_walk`",
+        ),
+        beside=("triaxis_again_surroundings",),
+        harness="triaxis_again_formal",
+    )
 
 
 def _checks() -> SbyProof:
@@ -404,6 +447,7 @@ def engine_proofs() -> tuple[SbyProof, ...]:
         _walk(),
         _checks(),
         _twice(),
+        _again(),
         _skip("engine_skip", _WIDTH, whole=False),
         _skip("engine_skip_small", 4, whole=True),
         _assertions(
@@ -480,27 +524,36 @@ def engine_proofs() -> tuple[SbyProof, ...]:
         ),
         _assertions(
             "engine_control",
-            "For all time: a summary waits unchanged, and stays until the next run; it says complete only of "
-            "a run that was neither aborted nor ended early and in whose last clock nothing was left to do; "
-            "an abort is said; what is refused was not run; cycles are those since acceptance, or the "
-            "largest number.",
+            "For all time: a summary waits unchanged, and stays until the next run; it says complete only "
+            "of a run that was neither aborted nor ended early and in whose last clock nothing was left to "
+            "do; an abort is said; what is refused was not run; cycles are those since acceptance, or the "
+            "largest number. The margin itself is the one asked for; each outer zone has the margin asked "
+            "for it, or is as wide as the one within it where that is wider; boxes are moved by the widest "
+            "when the scan begins. Which zones are wider than the one within is told rightly, and the same "
+            "from the clock after the run is accepted on.",
             ("mesh/triaxis_run_control",),
-            {"W": 8, "CycleBits": 4},
+            {"W": 8, "M": 8, "CycleBits": 4},
             24,
             ("once a run has ended at its first near pair it keeps saying so: shown by `engine_near`",),
         ),
         _assertions(
             "engine_near",
-            "For all time: each near pair is offered once, in order, unchanged until it is taken; none after "
-            "the first where one was asked for, none where only counts were; the counts are those of the "
-            "verdicts; idle means nothing on offer and nothing on its way.",
+            "For all time: each near pair is offered once, in order, unchanged until it is taken; none "
+            "after the first where one was asked for, none where only counts were; the counts are those of "
+            "the pairs' last verdicts; idle means nothing on offer and nothing on its way. Each verdict "
+            "that is near in an outer zone has its pair asked again, in a narrower one, unless the run is "
+            "over; pairs are asked in the widest zone that is wider than the one within and in which "
+            "nothing was found. Of each outer zone the run says that something is in it exactly where a "
+            "verdict was near in it or within, or it is no wider when the run begins.",
             ("mesh/triaxis_near_pairs",),
             {"IndexWidth": 3, "InFlight": 34},
             12,
             (
                 "no more verdicts than pairs that were issued, and no more of these on their way than the "
-                "core's queue and the two steps before it hold",
+                "core's queue and the two steps before it hold: shown by `engine_again`",
+                "a verdict is of one of the zones: shown by `engine_walk`",
                 "a run starts when the last one is over, so when all is idle",
+                "which zones are wider is told when it starts: shown by `engine_control`",
             ),
         ),
     )
@@ -530,10 +583,12 @@ def _board_twice() -> SbyProof:
         name="board_twice",
         claim="Whatever the one of two does, the other permits nothing but from the end of a complete run "
         "that found nothing near, to the deadline that it counts itself, and on its own sign of life, with "
-        "no change, error or fault since; go is that of the one, stop the contrary of the other; for any "
-        "states of the two. Two runners that differ in anything that they say or ask for, a byte that is "
-        "broken, and what is tried of these, are a fault in the next clock, and nothing else is, until the "
-        "next HELLO; a fault is told to the host, and so are margin, pose and number of the first, whole.",
+        "no change, error or fault since; go is that of the one, stop the contrary of the other; what is "
+        "beyond a zone both must say, each with its own go alone, of what the run that began it found; for "
+        "any states of the two. Two runners that differ in anything that they say or ask for, a byte that "
+        "is broken, and what is tried of these, are a fault in the next clock, and nothing else is, until "
+        "the next HELLO; a fault is told to the host, and so are margin, pose, zones and number of the "
+        "first, whole.",
         method=Method.WINDOW,
         parameters=_BOARD_SIZES,
         assumptions=("the engine tells its faults: `engine_checks`; a frame its own: `board_frame`",),
@@ -550,13 +605,14 @@ def _board_go() -> SbyProof:
         name="board_go",
         claim="For all time, from power-up: go is said only where the last run that the engine ended was "
         "complete and found nothing near, and its hold, if it has one, is not over; a run that has begun "
-        "since then holds; both are as they were acknowledged to the host: pose, margin, mode and trial "
+        "since then holds; both are as they were acknowledged to the host: pose, margins, mode and trial "
         "asked for; the meshes are those acknowledged, byte by byte, as many triangles as the runs named, "
         "and nothing was loaded since; no frame was damaged or refused since the last run was asked for; a "
         "command that was no repeat was acknowledged at most WatchdogClocks + 1 clocks ago; and no fault "
         "stands, or has come since that run was asked for, and a fault stands until a HELLO. Go lasts until "
-        "one of these ends it. Go and stop always differ; the beat ends with go. The signatures that a LOAD "
-        "is answered with are the engine's.",
+        "one of these ends it, whatever was found in the outer zones; beyond a zone is said exactly with "
+        "go, where the last run that ended looked at it and found nothing in it. Go and stop always differ; "
+        "the beat ends with go. The signatures that a LOAD is answered with are the engine's.",
         method=Method.INDUCTION,
         parameters=_BOARD_SIZES,
         assumptions=(
@@ -652,8 +708,9 @@ def board_proofs() -> tuple[SbyProof, ...]:
         _assertions(
             "board_runs",
             "For all time: what is said of a run is what the engine said at its end, every number of the "
-            "summary whole, until the next run or HELLO, and zeros before; the run is the one that was asked "
-            "for, pose, trial and hold included, and its number counts the runs since HELLO.",
+            "summary and the zones whole, until the next run or HELLO, and zeros before; the run is the one "
+            "that was asked for, pose, margins, trial and hold included, and its number counts the runs "
+            "since HELLO.",
             ("board/triaxis_runner",),
             {"W": _WIDTH, "M": _WIDTH},
             10,

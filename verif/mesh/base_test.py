@@ -1,6 +1,6 @@
 """What all tests of the engine share: its environment, scenes, and the end of the test."""
 
-from triaxis.verif.mesh.bare_agents import BareBfm, use_bare_engine
+from triaxis.verif.mesh.burst_agents import MeshBfm, use_bursts
 from triaxis.verif.mesh.env import MeshEnv
 from triaxis.verif.mesh.items import Scene
 from triaxis.verif.mesh.sequences import SceneSequence
@@ -26,7 +26,7 @@ class MeshEngineTest(EnvironmentTest):
         **dict.fromkeys(
             (
                 "status_o", "cycles_o", "group_pairs_skipped_o", "group_pairs_opened_o", "pairs_skipped_o",
-                "tested_o", "near_o",
+                "tested_o", "near_o", "zones_o",
             ),
             "m_axis_done_tvalid_o",
         ),
@@ -39,10 +39,10 @@ class MeshEngineTest(EnvironmentTest):
         self.shapes = Shapes(self.rng, self.configuration)
         self.env = create(MeshEnv, "env", self)
 
-    def fast_model(self) -> BareBfm:
-        """Return the bare engine's model."""
-        use_bare_engine()
-        return BareBfm()
+    def fast_model(self) -> MeshBfm:
+        """Return the engine's model."""
+        use_bursts()
+        return MeshBfm()
 
     async def traffic(self) -> None:
         """Run `stimulus`; a summary too many would show after it."""

@@ -23,6 +23,7 @@ from triaxis.verif.mesh.expectation import (
     expected_signature,
     expected_status,
     first_of,
+    in_order_of,
     moved,
     scrub_finds,
     tried,
@@ -83,12 +84,16 @@ class SceneChecker:
         self._faulted = False
         # What the run before tried, where that is found by scrubbing: time enough has been for it.
         self._scrubbed = UNKNOWN
-        self._known: tuple[Integers, Integers, int, SceneAnswer | None] = _NO_MESH, _NO_MESH, 0, None
+        self._known: tuple[Integers, Integers, tuple[int, ...], tuple[SceneAnswer, ...]] = (
+            _NO_MESH, _NO_MESH, (), (),
+        )  # fmt: skip
 
     def check(self, run: ObservedRun, summary: Summary) -> None:
         """Check a run that has ended."""
         due = expected_status(run, self.configuration)
-        answer = self._answer(run) if due == Status.COMPLETE else None
+        answers = self._answers(run) if due == Status.COMPLETE else ()
+        # What is skipped is further than the widest zone, and what is near within the margin.
+        answer = replace(answers[-1], near=answers[0].near) if answers else None
         outcome, before = tried(run, answer, self.configuration), self._before(run)
         if before is Before.STAYS:
             outcome = replace(outcome, fails=True, may_fail=True)
@@ -97,8 +102,9 @@ class SceneChecker:
             self._scrubbed = run.request.tries[1]
         self._faulted = summary.status == Status.FAULT
         wrong = [(message, Blame.DESIGN) for message in self._problems(run, summary, due, outcome)]
-        if answer is not None:
-            wrong += [(message, Blame.JUDGES) for message in self._judge(run, answer)]
+        wrong += [(message, Blame.DESIGN) for message in zone_problems(run, summary, answers)]
+        if answers:
+            wrong += [(message, Blame.JUDGES) for message in self._judge(run, answers)]
         for message, blame in wrong:
             self.failed += 1
             found(message, self.pairs)
@@ -124,14 +130,16 @@ class SceneChecker:
             return Before.RESET
         return Before.ACKNOWLEDGED if run.accepted.acknowledged else Before.STAYS
 
-    def _answer(self, run: ObservedRun) -> SceneAnswer:
-        """Return the exact answer; that of the run before where it was asked the same."""
-        a, margin = moved(run.a, run.request.translation), run.request.margin
-        known_a, known_b, known_margin, answer = self._known
-        if answer is None or margin != known_margin or not _same(a, known_a) or not _same(run.b, known_b):
-            answer = scene_answer(a, run.b, margin, self.configuration.group)
-            self._known = a, run.b, margin, answer
-        return answer
+    def _answers(self, run: ObservedRun) -> tuple[SceneAnswer, ...]:
+        """Return the exact answer for each zone; those of the run before where it was asked the same."""
+        a, margins = moved(run.a, run.request.translation), run.request.margins
+        known_a, known_b, known_margins, answers = self._known
+        if margins != known_margins or not _same(a, known_a) or not _same(run.b, known_b):
+            group = self.configuration.group
+            found = {margin: scene_answer(a, run.b, margin, group) for margin in set(margins)}
+            answers = tuple(found[margin] for margin in margins)
+            self._known = a, run.b, margins, answers
+        return answers
 
     def _problems(self, run: ObservedRun, summary: Summary, due: Status, outcome: Tried) -> list[str]:
         answer = outcome.answer
@@ -205,6 +213,8 @@ class SceneChecker:
             if unproven.any():
                 found.append(f"{unproven.sum()} pairs skipped without a proof, first {first_of(unproven)}")
         near, near_due = run.near_pairs, answer.near_pairs
+        if run.request.zoned:
+            near_due = in_order_of(near, near_due)
         if run.request.mode == Mode.COUNT:
             near_due = near_due[:0]
         if run.request.mode == Mode.FIRST:
@@ -237,11 +247,14 @@ class SceneChecker:
         near = answer.near[due[:, 0], due[:, 1]]
         if summary.tested > len(run.core_pairs):
             found.append(f"{summary.tested} tested, {len(run.core_pairs)} reached the core")
-        if summary.near != int(near[: summary.tested].sum()):
+        # With zones the verdicts are not in the order of the scan.
+        known = not run.request.zoned
+        if known and summary.near != int(near[: summary.tested].sum()):
             found.append(f"near {summary.near}, among the {summary.tested} tested: {near.sum()}")
         if run.request.mode != Mode.COUNT and summary.near != len(run.near_pairs):
             found.append(f"near {summary.near}, {len(run.near_pairs)} were sent")
-        if summary.status == Status.FIRST and not near[max(0, summary.tested - 1) : summary.tested].any():
+        last = near[max(0, summary.tested - 1) : summary.tested]
+        if summary.status == Status.FIRST and not (last.any() if known else summary.near):
             found.append(f"stopped after {summary.tested} pairs, where none is near")
         groups = answer.groups_apart.size
         if summary.group_pairs_skipped > answer.group_pairs_skipped:
@@ -252,8 +265,10 @@ class SceneChecker:
             found.append(f"pairs_skipped {summary.pairs_skipped}, {answer.pairs_skipped} at most are due")
         return found
 
-    def _judge(self, run: ObservedRun, answer: SceneAnswer) -> list[str]:
-        """Let the golden model judge some pairs: near ones, tested ones, skipped ones."""
+    def _judge(self, run: ObservedRun, answers: tuple[SceneAnswer, ...]) -> list[str]:
+        """Let the golden model judge some pairs in one of the zones: near ones, tested ones, skipped ones."""
+        zone = int(self.rng.integers(len(answers))) if run.request.zoned else 0
+        answer, margin = answers[zone], run.request.margins[zone]
         if not answer.near.size or self.rng.integers(self.judged_one_in):
             return []
         chosen: list[Integers] = []
@@ -264,11 +279,33 @@ class SceneChecker:
         pairs = np.stack([moved(run.a, run.request.translation)[i], run.b[j]], 1)
         self.judged += len(pairs)
         try:
-            near = judge_pairs(pairs, np.full(len(pairs), run.request.margin))["near"]
+            near = judge_pairs(pairs, np.full(len(pairs), margin))["near"]
         except CertificateError as error:
             return [f"golden model: {error}"]
         wrong = np.flatnonzero(near != answer.near[i, j])
         return [f"bulk checker and golden model disagree on pair {(int(i[n]), int(j[n]))}" for n in wrong[:1]]
+
+
+def zone_problems(run: ObservedRun, summary: Summary, answers: tuple[SceneAnswer, ...]) -> list[str]:
+    """Compare the zones in which something was found, or that are no wider than the one within, with answers.
+
+    A run that ends early has found some of it, one that was refused nothing, one with a fault anything.
+    """
+    if summary.status == Status.FAULT:
+        return []
+    least = due = run.request.not_wider
+    for bit, answer in enumerate(answers[1:]):
+        due |= bool(answer.near.any()) << bit
+    if summary.near:
+        least = due
+    elif summary.zones & ~least & 1:
+        # What is in a zone is in all around it.
+        least |= 2
+    if summary.status == Status.COMPLETE:
+        least = due
+    if least & ~summary.zones or summary.zones & ~due:
+        return [f"zones {summary.zones}, {due} are due, of {summary.near} near pairs"]
+    return []
 
 
 def _same(one: Integers, other: Integers) -> bool:

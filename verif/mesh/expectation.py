@@ -75,7 +75,7 @@ def scrub_finds(run: ObservedRun) -> bool:
     return memory in list(Memory) and bool(len(run.b if memory in of_b else run.a))
 
 
-_ATTEMPTS = (Trial.CLAIM, Trial.PARITY, Trial.NUMBER)
+ATTEMPTS = (Trial.CLAIM, Trial.PARITY, Trial.NUMBER)
 
 
 @dataclass(frozen=True)
@@ -97,7 +97,7 @@ def tried(run: ObservedRun, answer: SceneAnswer | None, configuration: MeshConfi
         return Tried(answer, fails=True, may_fail=True)
     fails = False
     if answer is not None and answer.near.size:
-        if kind in _ATTEMPTS and configuration.certified:
+        if kind in ATTEMPTS and configuration.certified:
             return _attempted(run, answer, configuration)
         if kind == Trial.MEMORY and which < len(Memory):
             uses = {
@@ -132,6 +132,13 @@ def _attempted(run: ObservedRun, answer: SceneAnswer, configuration: MeshConfigu
 def begins(whole: Integers, part: Integers) -> bool:
     """Return whether pairs (N, 2) begin with pairs (K, 2)."""
     return len(part) <= len(whole) and bool((whole[: len(part)] == part).all())
+
+
+def in_order_of(found: Integers, due: Integers) -> Integers:
+    """Return pairs (N, 2) that are due in the order in which they were found: those of ``found`` first."""
+    places = {pair: number for number, pair in enumerate(map(tuple, found.tolist()))}
+    order = sorted(range(len(due)), key=lambda n: places.get(tuple(due[n].tolist()), len(places)))
+    return due[np.array(order, np.int64)]
 
 
 def first_of(mask: npt.NDArray[np.bool_]) -> tuple[int, int]:

@@ -9,7 +9,7 @@ import numpy.typing as npt
 from pyuvm import uvm_sequence_item
 
 from triaxis.sim.mesh_configuration import MeshConfiguration
-from triaxis.sim.mesh_engine import Mode, Move
+from triaxis.sim.mesh_engine import NO_ZONES, Mode, Move
 from triaxis.sim.packing import WHICH_BITS
 from triaxis.verif.core.items import FULL_SPEED, Pace
 
@@ -44,12 +44,32 @@ class LoadItem(uvm_sequence_item):
 
 @dataclass(frozen=True)
 class RunRequest:
-    """What a run is asked for: ``mode`` may be 3, which is refused. ``tries``: a `Trial`, and which."""
+    """What a run is asked for: ``mode`` may be 3, which is refused. ``tries``: a `Trial`, and which;
+    ``zones``: margins of the zones slow and warn.
+    """
 
     translation: Move = (0, 0, 0)
     margin: int = 0
     mode: int = int(Mode.ALL)
     tries: tuple[int, int] = (0, 0)
+    zones: tuple[int, int] = NO_ZONES
+
+    @property
+    def margins(self) -> tuple[int, int, int]:
+        """Return how wide the zones are, from the innermost: none is narrower than the one within it."""
+        slow = max(self.margin, self.zones[0])
+        return self.margin, slow, max(slow, self.zones[1])
+
+    @property
+    def not_wider(self) -> int:
+        """Return bits of the zones slow and warn: those that are no wider than the one within them."""
+        margin, slow, warn = self.margins
+        return (slow == margin) | (warn == slow) << 1
+
+    @property
+    def zoned(self) -> bool:
+        """Return whether any zone is wider than the margin."""
+        return max(self.zones) > self.margin
 
     @property
     def trial(self) -> int:
@@ -133,15 +153,19 @@ def pack_run(request: RunRequest, configuration: MeshConfiguration) -> tuple[int
     """Return tdata and tuser of a run."""
     data = _packed(request.translation, configuration.width + 1)
     user = request.trial << _MODE_BITS | request.mode
-    return data, user << configuration.margin_bits | request.margin
+    for margin in (*request.zones[::-1], request.margin):
+        user = user << configuration.margin_bits | margin
+    return data, user
 
 
 def unpack_run(data: int, user: int, configuration: MeshConfiguration) -> RunRequest:
     """Return what a beat asks for."""
     x, y, z = _unpacked(data, configuration.width + 1, 3)
-    rest = user >> configuration.margin_bits
+    bits = configuration.margin_bits
+    margin, slow, warn = (user >> bits * zone & configuration.max_margin for zone in range(3))
+    rest = user >> 3 * bits
     trial = divmod(rest >> _MODE_BITS, WHICHES)
-    return RunRequest((x, y, z), user & configuration.max_margin, rest % (1 << _MODE_BITS), trial)
+    return RunRequest((x, y, z), margin, rest % (1 << _MODE_BITS), trial, (slow, warn))
 
 
 def unpack_pair(data: int, configuration: MeshConfiguration) -> tuple[int, int]:
@@ -195,7 +219,8 @@ class CorePairs:
 
 @dataclass(frozen=True)
 class Summary:
-    """A summary that was taken. ``status`` as on the pins.
+    """A summary that was taken. ``status``, and ``zones``, bits of slow and warn, as on the pins: of a
+    complete run 0 where nothing is in a zone that is wider than the one within it.
 
     ``offered_after``: clocks from the run's acceptance until it was offered; ``wait``: clocks that it waited;
     ``held``: triangles held in A and B; ``signatures``: of these; ``overfull``, ``fault``: on the pins;
@@ -209,6 +234,7 @@ class Summary:
     pairs_skipped: int
     tested: int
     near: int
+    zones: int
     offered_after: int | None = None
     wait: int | None = None
     held: tuple[int, int] | None = None
@@ -287,8 +313,16 @@ class ObservedRun:
 
     @property
     def core_pairs(self) -> Integers:
-        """Return the pairs that the core accepted: (K, 2)."""
-        return np.concatenate([NO_PAIRS, *(part.pairs for part in self.reached)])
+        """Return the pairs that the core accepted, (K, 2), each where it was asked first."""
+        every = np.concatenate([NO_PAIRS, *(part.pairs for part in self.reached)])
+        if not self.request.zoned:
+            return every
+        return every[np.sort(np.unique(every, axis=0, return_index=True)[1])]
+
+    @property
+    def asked_again(self) -> int:
+        """Return how often the core was asked about a pair once more."""
+        return sum(len(part.pairs) for part in self.reached) - len(self.core_pairs)
 
     @property
     def near_wait(self) -> int | None:

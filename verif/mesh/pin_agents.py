@@ -345,6 +345,7 @@ class SummaryMonitor(PinMonitor):
             dut.pairs_skipped_o,
             dut.tested_o,
             dut.near_o,
+            dut.zones_o,
         )
         held = int(dut.count_a_o.value), int(dut.count_b_o.value)
         overfull = int(dut.overfull_o.value)

@@ -6,11 +6,11 @@ from typing import Any
 
 import numpy as np
 
-from triaxis.verif.mesh.bare_agents import (
-    BareCoreMonitor,
-    BareLoadMonitor,
-    BareNearMonitor,
-    BareSummaryMonitor,
+from triaxis.verif.mesh.burst_agents import (
+    BurstCoreMonitor,
+    BurstLoadMonitor,
+    BurstNearMonitor,
+    BurstSummaryMonitor,
 )
 from triaxis.verif.mesh.items import CorePairs, Loaded, NearTaken, Summary
 from triaxis.verif.mesh.scenes import random_scene
@@ -37,32 +37,32 @@ class _SabotagedTest(MeshVolumeTest):
 class MeshNearLostTest(_SabotagedTest):
     """The last of some near pairs is lost on its way to the scoreboard."""
 
-    honest, falsify = BareNearMonitor, staticmethod(lambda near: [NearTaken(near.pairs[:-1])])
+    honest, falsify = BurstNearMonitor, staticmethod(lambda near: [NearTaken(near.pairs[:-1])])
 
 
 class MeshNearTwiceTest(_SabotagedTest):
     """A near pair reaches the scoreboard twice."""
 
-    honest = BareNearMonitor
+    honest = BurstNearMonitor
     falsify = staticmethod(lambda near: [NearTaken(np.concatenate([near.pairs, near.pairs[-1:]]))])
 
 
 class MeshNearOrderTest(_SabotagedTest):
     """Near pairs reach the scoreboard the other way round."""
 
-    honest, falsify = BareNearMonitor, staticmethod(lambda near: [NearTaken(near.pairs[::-1])])
+    honest, falsify = BurstNearMonitor, staticmethod(lambda near: [NearTaken(near.pairs[::-1])])
 
 
 class MeshUntestedTest(_SabotagedTest):
     """A pair does not reach the core, and nothing proves it clear."""
 
-    honest, falsify = BareCoreMonitor, staticmethod(lambda seen: [CorePairs(seen.pairs[:-1])])
+    honest, falsify = BurstCoreMonitor, staticmethod(lambda seen: [CorePairs(seen.pairs[:-1])])
 
 
 class MeshOtherMeshTest(_SabotagedTest):
     """The scoreboard is told of another mesh than the engine was given: a point is its last triangle."""
 
-    honest = BareLoadMonitor
+    honest = BurstLoadMonitor
 
     @staticmethod
     def falsify(datum: Loaded) -> list[Any]:
@@ -75,32 +75,32 @@ class MeshOtherMeshTest(_SabotagedTest):
 class MeshLoadLostTest(_SabotagedTest):
     """The scoreboard is not told of a mesh."""
 
-    honest, falsify = BareLoadMonitor, staticmethod(lambda _: [])
+    honest, falsify = BurstLoadMonitor, staticmethod(lambda _: [])
 
 
 class MeshSummaryLostTest(_SabotagedTest):
     """A summary is lost on its way to the scoreboard."""
 
-    honest, falsify = BareSummaryMonitor, staticmethod(lambda _: [])
+    honest, falsify = BurstSummaryMonitor, staticmethod(lambda _: [])
 
 
 class MeshSummaryTwiceTest(_SabotagedTest):
     """A summary reaches the scoreboard twice."""
 
-    honest, falsify = BareSummaryMonitor, staticmethod(lambda summary: [summary, summary])
+    honest, falsify = BurstSummaryMonitor, staticmethod(lambda summary: [summary, summary])
 
 
 class MeshStatusTest(_SabotagedTest):
     """A summary claims another status: the next one."""
 
-    honest = BareSummaryMonitor
+    honest = BurstSummaryMonitor
     falsify = staticmethod(lambda summary: [replace(summary, status=summary.status % 6 + 1)])
 
 
 class MeshAccountTest(_SabotagedTest):
     """The counters of a summary are each wrong by one, in turn."""
 
-    honest = BareSummaryMonitor
+    honest = BurstSummaryMonitor
 
     @staticmethod
     def falsify(datum: Summary) -> list[Any]:

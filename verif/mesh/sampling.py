@@ -56,10 +56,14 @@ def row_of(
         count_b=len(run.b),
         overfull=run.overfull[0] | run.overfull[1] << 1,
         margin=request.margin,
+        slow=request.zones[0],
+        warn=request.zones[1],
         move_x=request.translation[0],
         move_y=request.translation[1],
         move_z=request.translation[2],
         near=summary.near,
+        zones=summary.zones,
+        asked_again=run.asked_again,
         group_pairs_skipped=summary.group_pairs_skipped,
         group_pairs_opened=summary.group_pairs_opened,
         rows=rows,
@@ -102,7 +106,7 @@ def _gaps(configuration: MeshConfiguration, run: ObservedRun, answer: SceneAnswe
     """Return the gaps of rows, of groups in rows that are scanned, of pairs in groups that are opened."""
     if not answer.near.size or answer.near.size > _LARGEST:
         return 0, 0, 0
-    margin, group = run.request.margin, configuration.group
+    margin, group = run.request.margins[-1], configuration.group
     boxes_a, boxes_b = boxes_of(moved(run.a, run.request.translation)), boxes_of(run.b)
     groups_a, groups_b = boxes_of_groups(boxes_a, group), boxes_of_groups(boxes_b, group)
     whole_b = boxes_of_groups(boxes_b, len(boxes_b))

@@ -11,7 +11,7 @@ import numpy as np
 
 from triaxis.golden.pairs import coordinate_range
 from triaxis.sim.mesh_configuration import MeshConfiguration
-from triaxis.sim.mesh_engine import Mode, Move, spatial_order
+from triaxis.sim.mesh_engine import NO_ZONES, Mode, Move, spatial_order
 from triaxis.verif.core.items import FULL_SPEED, Once, Pace, Steady
 from triaxis.verif.mesh.items import RunRequest, RunTraffic, Scene
 from triaxis.verif.mesh.shapes import KINDS, Integers, Shapes, in_one_place, slots
@@ -52,6 +52,17 @@ def random_margin(rng: np.random.Generator, configuration: MeshConfiguration) ->
     return min(largest, int(rng.choice([0, 1, largest, any_size, any_size, any_size // 8])))
 
 
+def random_zones(rng: np.random.Generator, configuration: MeshConfiguration, margin: int) -> tuple[int, int]:
+    """Return margins of the zones slow and warn: none, or one or both wider by little or by much."""
+    if rng.integers(2):
+        return NO_ZONES
+    steps = (2 ** rng.uniform(0, configuration.margin_bits, 2)).astype(np.int64) >> rng.choice([0, 2, 40])
+    slow, warn = (margin + np.cumsum(1 + steps)).tolist()
+    kinds = ((slow, warn), (slow, warn), (slow, 0), (slow, slow), (0, warn), (warn, slow), (margin, slow))
+    chosen = kinds[int(rng.integers(len(kinds)))]
+    return min(chosen[0], configuration.max_margin), min(chosen[1], configuration.max_margin)
+
+
 PACES = (FULL_SPEED, Pace(1, 1), Pace(1, 12), Pace(8, 3), Pace(3, 30))
 _MODES = (*Mode, Mode.ALL, 3)
 # Of so many scenes one is given more triangles than fit, one keeps a mesh of the scene before, and one has
@@ -89,9 +100,10 @@ def random_scene(
         there, b = (mesh[spatial_order(mesh, configuration.group)] for mesh in (there, b))
     a, move = placed(rng, there, configuration)
     if calm:
-        return Scene(a, b, ((RunRequest(move, margin), RunTraffic()),), kind=kind)
+        zones = NO_ZONES if large else random_zones(rng, configuration, margin)
+        return Scene(a, b, ((RunRequest(move, margin, zones=zones), RunTraffic()),), kind=kind)
     others = 0 if large else int(rng.integers(0, 3))
-    runs = tuple(_run(shapes, move, margin, first=n == 0) for n in range(1 + others))
+    runs = tuple(_run(shapes, move, margin, n == 0, not large) for n in range(1 + others))
     scene = Scene(a, b, runs, _pace(rng), chained=rng.integers(_CHAINED_ONE_IN) == 0, kind=kind)
     if rng.integers(_OVERFULL_ONE_IN) == 0:
         scene = replace(scene, **{str(rng.choice(["a", "b"])): too_many(shapes)})
@@ -114,8 +126,8 @@ def _pace(rng: np.random.Generator) -> Pace:
     return PACES[int(rng.choice([0, 0, 0, 1, 2, 3, 4]))]
 
 
-def _run(shapes: Shapes, move: Move, margin: int, first: bool) -> tuple[RunRequest, RunTraffic]:
-    """Return the run that the scene is made for, or one that differs in something."""
+def _run(shapes: Shapes, move: Move, margin: int, first: bool, zoned: bool) -> tuple[RunRequest, RunTraffic]:
+    """Return the run that the scene is made for, or one that differs in something; with zones or without."""
     rng, configuration = shapes.rng, shapes.configuration
     mode = int(rng.choice(_MODES))
     if not first:
@@ -124,7 +136,8 @@ def _run(shapes: Shapes, move: Move, margin: int, first: bool) -> tuple[RunReque
         reach = 1 << configuration.width
         move = as_move(np.clip(np.array(move) + step, -reach, reach - 1))
     aborts = (int(2 ** rng.uniform(0, 9)) - 1,) if rng.integers(6) == 0 else ()
-    return RunRequest(move, margin, mode), RunTraffic(_pace(rng), _pace(rng), aborts)
+    zones = random_zones(rng, configuration, margin) if zoned else NO_ZONES
+    return RunRequest(move, margin, mode, zones=zones), RunTraffic(_pace(rng), _pace(rng), aborts)
 
 
 ROW, GROUP, PAIR = "row", "group", "pair"
@@ -159,7 +172,11 @@ def gap_scene(shapes: Shapes, level: str, axis: int, side: int, step: int) -> Sc
         b.append(other)
     there = shapes.clipped(np.stack(a))
     home, move = placed(rng, there, configuration)
-    run = RunRequest(move, margin)
+    # Boxes are held against the widest zone.
+    inner = np.sort(rng.integers(0, margin + 1, 2)).tolist()
+    run = (
+        RunRequest(move, inner[0], zones=(inner[1], margin)) if rng.integers(2) else RunRequest(move, margin)
+    )
     return Scene(home, np.stack(b), ((run, RunTraffic()),), kind=f"gap {level}")
 
 
@@ -171,6 +188,38 @@ def _beside(rng: np.random.Generator, t: Integers, axis: int, side: int, gap: in
     places -= places.min()
     found[:, axis] = high[axis] + gap + places if side > 0 else low[axis] - gap - places
     return found
+
+
+def zone_scenes(shapes: Shapes) -> Iterator[Scene]:
+    """Yield scenes for each choice of zones that are wider than the one within them, and for each zone: all
+    of B stands beside A at exactly its margin, or one step more.
+    """
+    for slow, warn, zone, step in product((False, True), (False, True), range(3), (0, 1)):
+        if slow + warn <= shapes.configuration.max_margin:
+            yield zone_scene(shapes, slow, warn, zone, step)
+
+
+def zone_scene(shapes: Shapes, slow: bool, warn: bool, zone: int, step: int) -> Scene:
+    """Return a scene in which slow, or warn, are wider zones, and B is a step beyond a zone."""
+    rng, configuration = shapes.rng, shapes.configuration
+    largest = min(configuration.max_margin, max(2, shapes.reach // 4))
+    widths = sorted(rng.choice(min(largest + 1, 1 << 20), 1 + slow + warn, replace=False).tolist())
+    margins = [widths[0], widths[int(slow)], widths[-1]]
+    zones = [
+        margin if wider else int(rng.choice([margin, rng.integers(0, margin + 1)]))
+        for wider, margin in zip((slow, warn), margins[1:], strict=True)
+    ]
+    axis, side = int(rng.integers(3)), int(rng.choice([-1, 1]))
+    size = max(1, shapes.reach // 16)
+    flat = shapes.cloud(1, np.zeros(3, np.int64), size, size)
+    flat[..., axis] = 0
+    counts = rng.integers(1, min(configuration.depth, 2 * configuration.group) + 1, 2).tolist()
+    a, b = (flat.repeat(count, 0) for count in counts)
+    b[..., axis] = side * (margins[zone] + step)
+    run = RunRequest(
+        margin=margins[0], mode=int(rng.choice([Mode.ALL, Mode.COUNT])), zones=(zones[0], zones[1])
+    )
+    return Scene(a, b, ((run, RunTraffic()),), kind="zone")
 
 
 def range_scenes(shapes: Shapes) -> Iterator[Scene]:
@@ -302,6 +351,14 @@ def clock_scenes(configuration: MeshConfiguration) -> Iterator[tuple[str, Scene]
             a, b = make(shapes, *counts, margin)
             runs = [(RunRequest(margin=margin, mode=int(mode)), RunTraffic()) for mode in _TIMED]
             yield f"{kind} {counts[0]} x {counts[1]}", Scene(a, b, tuple(runs), kind=kind)
+    zoned = Shapes(np.random.default_rng(2), configuration)
+    for kind, make in KINDS.items():
+        a, b = make(zoned, depth, depth, margin // 4)
+        zones = margin // 2, margin
+        runs = [
+            (RunRequest(margin=margin // 4, mode=int(mode), zones=zones), RunTraffic()) for mode in _TIMED
+        ]
+        yield f"zones, {kind}", Scene(a, b, tuple(runs), kind=kind)
     # A pair of groups has nothing behind it that takes longer to end than the pairs in it.
     for count in (group, depth):
         a, b = in_one_place(shapes, count, count, margin)

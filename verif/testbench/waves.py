@@ -81,13 +81,13 @@ _BOARD: Groups = {
         "frame_release", "link_error", "reply_valid", "reply_ready", "code",
     ],
     "go": [
-        "go_o", "stop_o", "beat_o", "led_o", "alive", "expired", "refused", "fault",
-        "g_safety[0].u_safety.armed_q",
+        "go_o", "stop_o", "beyond_slow_o", "beyond_warn_o", "beat_o", "led_o", "alive", "expired", "refused",
+        "fault", "g_safety[0].u_safety.armed_q",
     ],
     "session": [
         "hello", "load", "move", "run", "free", "abort", "u_command.state_q", "u_command.u_session.session_q",
     ],
-    "runner": ["busy", "aborting", "run_state", "run_mode", "done", "done_status", "near_count"],
+    "runner": ["busy", "aborting", "run_state", "run_mode", "done", "done_status", "near_count", "zones"],
     "engine": [
         "load_tvalid", "load_tready", "load_tuser", "count_a", "count_b", "run_tvalid", "run_tuser",
         "near_tvalid", "near_tready", "near_tdata", "ring_written", "ring_freed",

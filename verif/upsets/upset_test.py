@@ -42,6 +42,8 @@ from triaxis.verif.upsets.verdict import (
 # Triangles of each mesh, the number of the one in B that comes near, and where it does.
 _TRIANGLES, _NEAREST = 8, 2
 _NEAR, _CLEAR, _FURTHER = Pose(0, 0, 3), Pose(0, 0, 0), Pose(0, 0, -9)
+# Of all runs, as far as they fit: where it is clear is beyond the one, and further beyond both.
+_SLOW, _WARN = 2, 8
 # Of a run: until the next one has ended, and until before that one begins.
 _HOLD, _SHORT_HOLD = 20, 3
 # Bytes of the longest frame and its answer, and of the longest answer: RESULTS.
@@ -198,6 +200,7 @@ class BoardUpsetsTest(BoardTest):
         """Return what a host sends, one after another."""
         script: list[Asked] = []
         clock = ahead = number = 0
+        slow, warn = (min(zone, self.parameters.max_margin) for zone in (_SLOW, _WARN))
 
         def ask(
             command: Command,
@@ -214,7 +217,7 @@ class BoardUpsetsTest(BoardTest):
         def run(pose: Pose, near: bool, hold: int = 0) -> None:
             nonlocal number
             number += 1
-            request = RunRequest(Mode.ALL, 0, _TRIANGLES, _TRIANGLES, 0, *pose, hold)
+            request = RunRequest(Mode.ALL, 0, slow, warn, _TRIANGLES, _TRIANGLES, 0, *pose, hold)
             ask(Command.RUN, request.pack(), Begun(number, hold))
             ask(Command.RESULTS, bytes(4), run=AskedRun(request, number, near))
 
@@ -248,7 +251,7 @@ class BoardUpsetsTest(BoardTest):
         player, files = self.bfm.player, upset_files(Path(self.settings.folder))
         registers = player.registers()
         file = files[0].with_name("undisturbed.npz")
-        truth = Truth(script, (), self.parameters.group, self.parameters.watchdog_clocks, end)
+        truth = Truth(script, {}, self.parameters.group, self.parameters.watchdog_clocks, end)
         _in_copies([partial(_undisturbed, player, truth, registers, file)])
         with np.load(file) as kept:
             without = Undisturbed(kept["events"], tuple(kept["states"].tolist()))
@@ -256,8 +259,9 @@ class BoardUpsetsTest(BoardTest):
         asked = [one.run for one in script if one.run]
         clear = sum(not run.near for run in asked)
         kept = sum(run.request.hold > 0 and not (before.near or run.near) for before, run in pairwise(asked))
-        assert len(due) == clear - kept, f"go {len(due)} times, {clear} runs are clear, {kept} keep it"
-        truth = replace(truth, due=tuple(due))
+        times = len(due["go"])
+        assert times == clear - kept, f"go {times} times, {clear} runs are clear, {kept} keep it"
+        truth = replace(truth, due=due)
         fate, how = truth.judge(without.events, len(script))
         assert fate is Fate.NO_EFFECT, f"without an upset: {fate}: {how}"
         replay = self.settings.replay

@@ -2,7 +2,7 @@
 
 import json
 import os
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import astuple, dataclass
 from enum import IntEnum, StrEnum
 from pathlib import Path
@@ -15,12 +15,14 @@ from triaxis.host.link.audit import BoardRun, audit, check_results
 from triaxis.host.link.exchange import LinkError
 from triaxis.host.link.messages import Begun, Loaded, Results, RunRequest, twice
 from triaxis.sim.simulated_board import PINS, TX
+from triaxis.verif.board.board_state import BEYOND
 from triaxis.verif.board.protocol import END, Code, Reply
 
 Events = npt.NDArray[np.void]
-# Of the pins: the levels of go and stop, of which nothing but these permits the machine to move; and the LED
-# of a run that goes on.
+# Of the pins: the levels of go and stop, of which nothing but these permits the machine to move, and the bits
+# that permit it, with them, what is for beyond a zone alone; and the LED of a run that goes on.
 _LEVELS, _PERMITTED = 0b11, 0b01
+_PERMISSIONS = {"go": 0, "beyond slow": 1 << BEYOND, "beyond warn": 1 << BEYOND + 1}
 _BUSY = 1 << 4
 # Go may end so many clocks later than without an upset, a hundredth of the time in which a machine must stop;
 # and begin so many earlier, where a byte is heard at another moment of its last bit.
@@ -120,9 +122,12 @@ def _times(events: Events, mask: int, value: int, end: int) -> list[tuple[int, i
     return [*times, (since, end)] if since is not None else times
 
 
-def permitted(events: Events, end: int) -> list[tuple[int, int]]:
-    """Return when the machine may move: go is said, and stop is not."""
-    return _times(events, _LEVELS, _PERMITTED, end)
+def permitted(events: Events, end: int) -> dict[str, tuple[tuple[int, int], ...]]:
+    """Return when the machine may move: go is said, and stop is not; and when it is beyond each zone then."""
+    return {
+        what: tuple(_times(events, _LEVELS | bits, _PERMITTED | bits, end))
+        for what, bits in _PERMISSIONS.items()
+    }
 
 
 def runs(events: Events, end: int) -> list[tuple[int, int]]:
@@ -132,14 +137,14 @@ def runs(events: Events, end: int) -> list[tuple[int, int]]:
 
 @dataclass(frozen=True)
 class Truth:
-    """The talk, and when the machine may move in it: ``due``, from a clock to another, as without an upset.
+    """The talk, and when what may be said in it, as by `permitted` without an upset: ``due``.
 
     ``group``: triangles of a group of the board; ``watchdog``: clocks of silence that end go; ``end``: the
     last clock.
     """
 
     script: tuple[Asked, ...]
-    due: tuple[tuple[int, int], ...]
+    due: Mapping[str, tuple[tuple[int, int], ...]]
     group: int
     watchdog: int
     end: int
@@ -154,18 +159,20 @@ class Truth:
         # A host that says no more leaves go that was said to the watchdog, and is due no other.
         silent = self.script[sent].clock if sent < len(self.script) else self.end
         heard = silent + self.watchdog if silent < self.end else 0
-        for first, last in said:
-            if not any(
-                begin - EARLY <= first <= end and last <= max(end, heard) + LATE and begin <= silent
-                for begin, end in self.due
-            ):
-                return Fate.DANGEROUS, f"go from clock {first} to {last}"
+        for what, times in said.items():
+            for first, last in times:
+                if not any(
+                    begin - EARLY <= first <= end and last <= max(end, heard) + LATE and begin <= silent
+                    for begin, end in self.due[what]
+                ):
+                    return Fate.DANGEROUS, f"{what} from clock {first} to {last}"
         fate, how = self.told(events, sent)
         if fate is not Fate.NO_EFFECT:
             return fate, how
-        for begin, end in self.due:
-            if not any(first <= begin + LATE and last >= end - LATE for first, last in said):
-                return Fate.FALSE_STOP, f"no go all the time from clock {begin} to {end}"
+        for what, times in self.due.items():
+            for begin, end in times:
+                if not any(first <= begin + LATE and last >= end - LATE for first, last in said[what]):
+                    return Fate.FALSE_STOP, f"no {what} all the time from clock {begin} to {end}"
         return Fate.NO_EFFECT, ""
 
     def told(self, events: Events, sent: int) -> tuple[Fate, str]:

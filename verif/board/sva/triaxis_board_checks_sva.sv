@@ -70,20 +70,27 @@ endmodule
 // verilog_lint: waive module-filename
 module triaxis_decision_sva
   import triaxis_board_pkg::*;
+  import triaxis_mesh_pkg::*;
 #(
     parameter int unsigned PartWidth = 17
 ) (
     input logic clk_i,
     input logic rst_ni,
     input logic armed,
+    input logic [Zones-1:1] zones,
     input logic timed,
     input hold_t left,
     input logic [PartWidth-1:0] part
 );
 
+  // With two states the reset of power-up is no edge: the zones are as in reset from the first clock on.
+  logic begun = 1'b0;
+  always_ff @(posedge clk_i) begun <= 1'b1;
+
   ForgottenInReset :
-  assert property (@(posedge clk_i) rst_ni || (!armed && !timed && left == '0 && part == '0))
-  else $error("in reset a run is armed, or has a hold that goes on");
+  assert property (@(posedge clk_i) rst_ni ||
+      (!armed && (zones == '1 || !begun) && !timed && left == '0 && part == '0))
+  else $error("in reset a run is armed, found nothing in a zone, or has a hold that goes on");
 
 endmodule
 
@@ -97,18 +104,20 @@ bind triaxis_runner triaxis_runner_sva u_shown_sva (
       aborting_o,
       run_state_o,
       run_mode_o,
+      margins_q[Zones-1:1],
       run_margin_o,
       run_trial_o,
       run_hold_o,
       run_pose_o,
       run_number_o,
       engine_status_o,
+      zones_o,
       summary_o
     }),
     .asked(
     '{
         mode: 8'(run_mode_o),
-        margin: run_margin_o,
+        margins: {margins_q[Zones-1:1], run_margin_o},
         count_a: '0,
         count_b: '0,
         trial: run_trial_o,
@@ -134,6 +143,7 @@ bind triaxis_safety triaxis_decision_sva #(
     .clk_i,
     .rst_ni,
     .armed(armed_q),
+    .zones(zones_q),
     .timed(timed_q),
     .left (left_q),
     .part (part_q)

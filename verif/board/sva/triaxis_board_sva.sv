@@ -52,7 +52,9 @@ module triaxis_board_sva
     input logic wrong,
     input logic go_o,
     input logic stop_o,
-    input logic beat_o
+    input logic beat_o,
+    input logic beyond_slow_o,
+    input logic beyond_warn_o
 );
 
   QuietInReset :
@@ -69,7 +71,8 @@ module triaxis_board_sva
   else $error("in a reset something is sent, or received");
 
   StopInReset :
-  assert property (@(posedge clk_i) !rst_ni |-> stop_o && !go_o && !beat_o)
+  assert property (@(posedge clk_i) !rst_ni |->
+      stop_o && !go_o && !beat_o && !beyond_slow_o && !beyond_warn_o)
   else $error("no stop in a reset");
 
   // What is offered and not taken stays as it is.
@@ -185,6 +188,10 @@ module triaxis_board_sva
   assert property (@(posedge clk_i) disable iff (!rst_ni) beat_o |-> go_o || $past(go_o))
   else $error("a beat without go");
 
+  BeyondOnlyWithGo :
+  assert property (@(posedge clk_i) beyond_slow_o || beyond_warn_o |-> go_o)
+  else $error("beyond a zone without go");
+
 endmodule
 
 bind nexys4ddr_top triaxis_board_sva #(
@@ -228,5 +235,7 @@ bind nexys4ddr_top triaxis_board_sva #(
     .wrong(link_error || refused || alive != '1),
     .go_o,
     .stop_o,
-    .beat_o
+    .beat_o,
+    .beyond_slow_o,
+    .beyond_warn_o
 );

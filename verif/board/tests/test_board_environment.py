@@ -18,6 +18,7 @@ SMALL = "board_w8_m0_d16_g4_l2"
 # The tests whose monitor lies, or that check nothing, and what is said of each.
 SAID = {
     "BoardGoTooMuchTest": "is due",
+    "BoardBeyondTooMuchTest": "is due",
     "BoardGoLateTest": "is due",
     "BoardPinsLostTest": "is due",
     "BoardByteLostTest": "a reply that nothing asked for",
@@ -33,7 +34,7 @@ SAID = {
 BROKEN = (
     ("QuietInReset", "loader", "state_q <= Idle;\n    end", "state_q <= state_q;\n    end", "Resets"),
     ("LineIdleInReset", "uart_tx", "      left_q  <= '0;\n", "", "Resets"),
-    ("NothingInReset", "runner", "      mode_q <= '0;\n      margin_q", "      margin_q", "Resets"),
+    ("NothingInReset", "runner", "      mode_q <= '0;\n      margins_q", "      margins_q", "Resets"),
     ("ForgottenByHello", "runner", "        trial_q <= '0;\n", "        trial_q <= '1;\n", "Smoke"),
     ("ForgottenInReset", "safety", "part_q  <= '0;\n", "part_q  <= part_q;\n", "Resets"),
     ("StopInReset", "safety", "stop_q <= 1'b1;\n    end else", "stop_q <= stop_q;\n    end else", "Resets"),
@@ -71,6 +72,7 @@ BROKEN = (
         "FrameTriedAsAsked", "top", "TrialBoard && trial.which == '1", "TrialBoard && trial.which == '0",
         "Trials",
     ),
+    ("BeyondOnlyWithGo", "safety", "beyond_o <= go_d ? ~zones_d : '0", "beyond_o <= ~zones_d", "Smoke"),
     ("BeatOnlyWithGo", "beat", "    else if (!go_i) beat_q <= 1'b0;\n", "", "Go"),
 )  # fmt: skip
 

@@ -39,10 +39,10 @@ endmodule
 // The engine: takes loads and runs, but none while a run is going on (`engine_control`), and says of a
 // run, once, after it was accepted, whatever it likes: that it says complete only of a run that was
 // neither aborted nor ended early, in whose last clock nothing was left to do, is `engine_control`;
-// that what it says near_o of are the verdicts of all pairs tested, `engine_near`; that what was
-// not tested is separated, `engine_skip`, `engine_skip_small` and `engine_boxes`; that none is lost
-// between, `engine_walk`; that verdicts are right, the proofs of the core. A fault comes at any clock, and
-// stays until it is acknowledged: `engine_checks`.
+// that what it says near_o and zones_o of are the verdicts of all pairs tested, and no zone is free that was not
+// asked about, `engine_near`; that what was not tested is separated, `engine_skip`, `engine_skip_small` and
+// `engine_boxes`; that none is lost between, `engine_walk`; that verdicts are right, the proofs of the core. A
+// fault comes at any clock, and stays until it is acknowledged: `engine_checks`.
 // Triangles get the next number of their mesh: `engine_boxes`.
 module triaxis_mesh;
 
@@ -50,6 +50,7 @@ module triaxis_mesh;
   logic [2:0] free_status;
   logic [2*IndexWidth-1:0] free_near;
   logic [PairCountWidth-1:0] free_count;
+  logic [Zones-1:1] free_zones;
   logic [31:0] free_signature_a, free_signature_b;
   logic load, running_q, awake_q;
   logic [IndexWidth:0] count_q[2];
@@ -87,6 +88,7 @@ module triaxis_mesh;
   assign m_axis_done_tvalid_o = free_ends && running_q;
   assign status_o = status_e'(free_status);
   assign near_o = free_count;
+  assign zones_o = free_zones;
   assign tested_o = '0;
   assign pairs_skipped_o = '0;
   assign group_pairs_skipped_o = '0;

@@ -2,9 +2,10 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // What permits the machine to move is there twice on the board, and each permits nothing on its own, whatever
-// the other does: go is the one's, stop the other's. The registers begin with anything, so each of the two
-// may have whatever state it likes: claims are about what the next clock makes of it. Two runs that differ,
-// and a byte of a frame that is broken, are a fault in the next clock. Of the first run all bits are told.
+// the other does: go is the one's, stop the other's, and what is beyond a zone both must say. The registers
+// begin with anything, so each of the two may have whatever state it likes: claims are about what the next clock
+// makes of it. Two runs that differ, and a byte of a frame that is broken, are a fault in the next clock. Of the
+// first run all bits are told.
 
 `include "triaxis_formal.svh"
 
@@ -21,7 +22,7 @@ module triaxis_board_twice_formal
     input logic clk_i
 );
 
-  logic go_o, stop_o;
+  logic go_o, stop_o, beyond_slow_o, beyond_warn_o;
   nexys4ddr_top #(
       .W(W),
       .M(M),
@@ -38,7 +39,9 @@ module triaxis_board_twice_formal
       .an_no(),
       .go_o,
       .stop_o,
-      .beat_o()
+      .beat_o(),
+      .beyond_slow_o,
+      .beyond_warn_o
   );
 
   // Go of each, and what it is made of.
@@ -49,13 +52,17 @@ module triaxis_board_twice_formal
     hold_t left;
     part_t part;
   } deadline_t;
+  typedef logic [Zones-1:1] zones_t;
   logic [1:0] armed, going, alive;
+  zones_t [1:0] zones, beyond;
   deadline_t [1:0] deadline;
   hold_t [1:0] hold;
   left_t left[2];
   for (genvar i = 0; i < 2; i++) begin : g_copy
     assign armed[i] = u_top.g_safety[i].u_safety.armed_q;
     assign going[i] = u_top.g_safety[i].u_safety.go_q;
+    assign zones[i] = u_top.g_safety[i].u_safety.zones_q;
+    assign beyond[i] = u_top.g_safety[i].u_safety.beyond_o;
     assign left[i] = u_top.g_watchdog[i].u_watchdog.left_q;
     assign alive[i] = left[i] != '0;
     assign hold[i] = u_top.runs[i].hold;
@@ -67,12 +74,17 @@ module triaxis_board_twice_formal
   end
 
   logic holds, changed, wrong, complete, tried, tried_frame;
-  assign holds = u_top.request.fields[191:176] != '0;
+  assign holds = u_top.request.fields[255:240] != '0;
   assign changed = u_top.hello || u_top.load || (u_top.run && !holds) || u_top.abort;
   assign wrong = u_top.link_error || u_top.refused || u_top.fault;
   assign complete = u_top.done && u_top.done_status == StatusComplete && u_top.near_count == '0;
   assign tried = u_top.busy && u_top.trial.kind == TrialBoard;
   assign tried_frame = tried && u_top.trial.which == 5'd31;
+
+  // The engine is not given all bits of them.
+  logic same_margins;
+  assign same_margins = u_top.g_runner[0].u_runner.margins_q ==
+      u_top.g_runner[1].u_runner.margins_q;
 
   typedef struct packed {
     logic [1:0] armed;
@@ -81,6 +93,8 @@ module triaxis_board_twice_formal
     left_t [1:0] left;
     deadline_t [1:0] deadline;
     hold_t [1:0] hold;
+    zones_t [1:0] zones;
+    zones_t found;
     logic done;
     logic kick;
     logic run;
@@ -101,6 +115,8 @@ module triaxis_board_twice_formal
           left: {left[1], left[0]},
           deadline: deadline,
           hold: hold,
+          zones: zones,
+          found: u_top.zones,
           done: u_top.done,
           kick: u_top.kick,
           run: u_top.run,
@@ -108,7 +124,7 @@ module triaxis_board_twice_formal
           wrong: wrong,
           complete: complete,
           tried_runner: tried && !tried_frame,
-          same_runs: u_top.runs[0] == u_top.runs[1],
+          same_runs: u_top.runs[0] == u_top.runs[1] && same_margins,
           broken: u_top.frame_broken,
           fault: u_top.fault,
           hello: u_top.hello
@@ -141,15 +157,18 @@ module triaxis_board_twice_formal
   always_comb begin
     assume (u_top.rst_n);
     Outputs : assert (go_o == going[0] && stop_o == u_top.g_safety[1].u_safety.stop_q);
+    // One alone says nothing.
+    BothBeyond : assert ({beyond_warn_o, beyond_slow_o} == (beyond[0] & beyond[1]));
     Faults : assert (u_top.fault == (u_top.engine_fault || u_top.board_fault_q));
     Trials :
     assert (u_top.trying_frame == tried_frame && u_top.trying_runner == (tried && !tried_frame));
     Said :
     assert (u_top.status.flags.fault == u_top.fault &&
             (!u_top.fault || u_top.status.engine_status inside {8'(StatusNone), 8'(StatusFault)}));
+    ZonesTold : assert (u_top.status.flags[5:4] == u_top.g_runner[0].u_runner.zones_q);
     Told :
     assert ({u_top.status.margin, u_top.status.pose, u_top.status.run_number} ==
-            {u_top.g_runner[0].u_runner.margin_q, u_top.g_runner[0].u_runner.pose_q,
+            {u_top.g_runner[0].u_runner.margins_q[ZoneMargin], u_top.g_runner[0].u_runner.pose_q,
              u_top.g_runner[0].u_runner.run_number_q});
     if (full) begin
       for (int i = 0; i < 2; i++) begin
@@ -159,6 +178,9 @@ module triaxis_board_twice_formal
                 !last_q.changed && !last_q.wrong && last_q.alive[i]));
         assert (armed[i] == ((last_q.run || (last_q.armed[i] && !last_q.changed && !late[i])) &&
                 !last_q.wrong && last_q.alive[i]));
+        // What it found of the zones, of the run that was clear; beyond one of them only with go.
+        assert (zones[i] == (last_q.armed[i] && last_q.complete ? last_q.found : last_q.zones[i]));
+        assert (beyond[i] == (going[i] ? ~zones[i] : '0));
         // Its deadline: of the run that was clear, then a clock less each clock.
         assert (deadline[i] == deadline_d[i]);
         assert (left[i] == (last_q.kick ? left_t'(WatchdogClocks) :
@@ -173,6 +195,7 @@ module triaxis_board_twice_formal
               (last_q.fault && !last_q.hello));
       SeenLate : cover (late == 2'b01 && !going[0] && going[1]);
       SeenOneAlone : cover (going[0] && !going[1] && go_o && stop_o && last_q.complete);
+      SeenBeyondAlone : cover (beyond[0] == '1 && beyond[1] == '0 && going[1]);
       SeenOtherAlone : cover (!going[0] && going[1] && !go_o && !stop_o);
       SeenRunsDiffer : cover (!last_q.tried_runner && !last_q.same_runs && !last_q.broken);
     end

@@ -21,13 +21,14 @@ module triaxis_checks_formal
     parameter int unsigned Group = 4,
     parameter int unsigned Lanes = 2,
     localparam int unsigned IndexWidth = $clog2(Depth),
+    localparam int unsigned TagWidth = 2 * IndexWidth + $bits(zone_e),
     localparam int unsigned SeenWidth = walk_seen_width(W, M, Depth, Group, Lanes, 2)
 ) (
     input logic clk_i,
     input logic rst_ni,
     input logic s_axis_run_tvalid_i,
     input logic [3*move_width(W)-1:0] s_axis_run_tdata_i,
-    input logic [$bits(trial_t)+M+1:0] s_axis_run_tuser_i,
+    input logic [run_user_width(M)-1:0] s_axis_run_tuser_i,
     input logic abort_i,
     input logic m_axis_near_tready_i,
     input logic m_axis_done_tready_i,
@@ -40,6 +41,7 @@ module triaxis_checks_formal
   logic ready, busy, done, fault_o;
   status_e status;
   logic [2*IndexWidth:0] near;
+  logic [Zones-1:1] zones;
   triaxis_mesh #(
       .W(W),
       .M(M),
@@ -70,6 +72,7 @@ module triaxis_checks_formal
       .pairs_skipped_o(),
       .tested_o(),
       .near_o(near),
+      .zones_o(zones),
       .*
   );
 
@@ -83,6 +86,7 @@ module triaxis_checks_formal
   seen_t seen[2];
   status_e said[2];
   logic [2*IndexWidth:0] near_said[2];
+  logic [Zones-1:1] zones_said[2];
   for (genvar i = 0; i < 2; i++) begin : g_walk
     assign row_used[i] = u_mesh.g_walk[i].u_walk.row_used_o;
     assign words_used[i] = u_mesh.g_walk[i].u_walk.word_used_o;
@@ -93,6 +97,7 @@ module triaxis_checks_formal
     assign over[i] = u_mesh.g_walk[i].u_walk.m_axis_done_tvalid_o;
     assign said[i] = u_mesh.g_walk[i].u_walk.status_o;
     assign near_said[i] = u_mesh.g_walk[i].u_walk.near_o;
+    assign zones_said[i] = u_mesh.g_walk[i].u_walk.zones_o;
   end
 
   logic accept;
@@ -103,7 +108,7 @@ module triaxis_checks_formal
   assign changed = {u_mesh.u_store_b.broken_o, u_mesh.u_store_a.broken_o};
   always_ff @(posedge clk_i or negedge rst_ni) begin
     if (!rst_ni) trial_q <= '0;
-    else if (accept) trial_q <= s_axis_run_tuser_i[M+2+:$bits(trial_t)];
+    else if (accept) trial_q <= s_axis_run_tuser_i[Zones*M+$bits(mode_e)+:$bits(trial_t)];
     // Given up once it is acknowledged, or a mesh is found broken.
     else if (acknowledge_i || changed != '0) trial_q <= '0;
   end
@@ -143,7 +148,8 @@ module triaxis_checks_formal
   logic standing, differs_now, in_doubt;
   assign standing = fault_o && !acknowledge_i;
   assign differs_now = stores_differ || unlike_q ||
-      ({over[0], said[0], near_said[0]} ^ {over[1], said[1], near_said[1]}) !=
+      ({over[0], said[0], zones_said[0], near_said[0]} ^
+       {over[1], said[1], zones_said[1], near_said[1]}) !=
       misread[summary_width(
       Depth
   )-1:0];
@@ -176,7 +182,7 @@ module triaxis_checks_formal
     if (!rst_ni) {faulty_q, sound_q} <= '0;
     else begin
       if (fault_o) faulty_q <= 1'b1;
-      if (accept) sound_q <= s_axis_run_tuser_i[M+2+:$bits(trial_t)] == '0;
+      if (accept) sound_q <= s_axis_run_tuser_i[Zones*M+$bits(mode_e)+:$bits(trial_t)] == '0;
     end
   end
 
@@ -185,7 +191,7 @@ module triaxis_checks_formal
       // A fault is what was found in the last clock, walks that differed in the one before, or one that
       // nobody acknowledged; and nothing else.
       Told : assert (fault_o == (found_q || stood_q));
-      Summary : assert (done == over[0] && near == near_said[0]);
+      Summary : assert (done == over[0] && near == near_said[0] && zones == zones_said[0]);
       InDoubt : assert (said[0] == StatusNone || !in_doubt || status == StatusFault);
       ElseAsSaid : assert ((said[0] != StatusNone && in_doubt) || status == said[0]);
       // A fault that is told while it goes on ends it so, though it be acknowledged.
@@ -195,7 +201,8 @@ module triaxis_checks_formal
       BothComplete :
       assert (!done || status != StatusComplete ||
               (over[1] && said[0] == StatusComplete && said[1] == StatusComplete &&
-               near_said[1] == near && !fault_o) || trial_q.kind == TrialWalk);
+               near_said[1] == near && zones_said[1] == zones && !fault_o) ||
+              trial_q.kind == TrialWalk);
       Condemned : assert (!done || !condemned_q || status == StatusFault);
       TriedWalk : assert (!done || !tried_q || status == StatusFault);
 
@@ -222,7 +229,7 @@ module triaxis_checks_formal
       assert (u_mesh.u_store_a.which_i == trial_q.which &&
               u_mesh.u_store_b.which_i == trial_q.which);
       TriedCore :
-      assert (u_mesh.g_core.u_core.s_axis_tuser_i[2*IndexWidth+M+:$bits(
+      assert (u_mesh.g_core.u_core.s_axis_tuser_i[TagWidth+M+:$bits(
           try_t
       )] == {trial_q.kind inside {TrialClaim, TrialParity, TrialNumber} ? 2'(trial_q.kind) : 2'd0,
              trial_q.which});

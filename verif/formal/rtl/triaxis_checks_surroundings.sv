@@ -40,6 +40,7 @@ module triaxis_walk;
   logic free_row_used, free_box_a_used, free_triangles_used, free_core_valid, free_verdict_ready;
   logic [Lanes-1:0] free_word_used, free_boxes_b_used;
   logic [PairCountWidth-1:0] free_near;
+  logic [Zones-1:1] free_zones;
   logic [SeenWidth-summary_width(Depth)-1:0] free_seen;
   assign row_used_o = free_row_used;
   assign word_used_o = free_word_used;
@@ -49,7 +50,8 @@ module triaxis_walk;
   assign core_valid_o = free_core_valid;
   assign verdict_ready_o = free_verdict_ready;
   assign near_o = free_near;
-  assign seen_o = rst_ni ? {free_seen, m_axis_done_tvalid_o, status_o, near_o} : '0;
+  assign zones_o = free_zones;
+  assign seen_o = rst_ni ? {free_seen, m_axis_done_tvalid_o, status_o, zones_o, near_o} : '0;
 
 endmodule
 

@@ -42,7 +42,7 @@ module triaxis_go_formal
   typedef logic [$clog2(HoldClocks+1)-1:0] part_t;
   typedef struct packed {
     pose_t pose;
-    logic [31:0] margin;
+    logic [Zones-1:0][31:0] margins;
     logic [1:0] mode;
     trial_t trial;
     hold_t hold;
@@ -50,7 +50,7 @@ module triaxis_go_formal
     logic [15:0] count_a;
   } run_t;
 
-  logic go_o, stop_o, beat_o;
+  logic go_o, stop_o, beat_o, beyond_slow_o, beyond_warn_o;
   nexys4ddr_top #(
       .W(W),
       .M(M),
@@ -67,7 +67,9 @@ module triaxis_go_formal
       .an_no(),
       .go_o,
       .stop_o,
-      .beat_o
+      .beat_o,
+      .beyond_slow_o,
+      .beyond_warn_o
   );
   logic rst_n;
   assign rst_n = u_top.rst_n;
@@ -153,13 +155,13 @@ module triaxis_go_formal
         end
         CmdRun:
         host_run_d = '{
-            pose: frame.fields[175:80],
-            margin: frame.fields[39:8],
+            pose: frame.fields[239:144],
+            margins: frame.fields[103:8],
             mode: frame.fields[1:0],
-            trial: frame.fields[79:72],
-            hold: frame.fields[191:176],
-            count_a: frame.fields[55:40],
-            count_b: frame.fields[71:56]
+            trial: frame.fields[143:136],
+            hold: frame.fields[255:240],
+            count_a: frame.fields[119:104],
+            count_b: frame.fields[135:120]
         };
         default: ;
       endcase
@@ -203,8 +205,9 @@ module triaxis_go_formal
   logic load, accept, clear_q, unchanged_q, loaded_here;
   // The last that it accepted; the last that ended, as it was accepted and as it had been acknowledged.
   run_t engine_run_q, ended_run_q, ended_host_q;
-  byte_t  engine_byte_q;
-  count_t engine_count  [2];
+  logic [Zones-1:1] ended_zones_q;
+  byte_t engine_byte_q;
+  count_t engine_count[2];
   assign load = u_top.load_tvalid && u_top.load_tready;
   assign accept = u_top.run_tvalid && u_top.unused.ready;
   assign engine_count[0] = 17'(u_top.count_a);
@@ -229,9 +232,10 @@ module triaxis_go_formal
     if (accept) begin
       for (int k = 0; k < 3; k++)
       engine_run_q.pose[k] <= 32'(signed'(u_top.run_tdata[k*(W+1)+:W+1]));
-      engine_run_q.margin <= 32'(u_top.run_tuser[M+1:0]) & 32'((64'd1 << M) - 64'd1);
-      engine_run_q.mode <= u_top.run_tuser[M+:2];
-      engine_run_q.trial <= u_top.run_tuser[M+2+:$bits(trial_t)];
+      for (int z = 0; z < int'(Zones); z++)
+      engine_run_q.margins[z] <= 32'(u_top.run_tuser >> (z * M)) & 32'((64'd1 << M) - 64'd1);
+      engine_run_q.mode <= u_top.run_tuser[Zones*M+:2];
+      engine_run_q.trial <= u_top.run_tuser[Zones*M+2+:$bits(trial_t)];
       // The engine knows of none.
       engine_run_q.hold <= host_run_d.hold;
       engine_run_q.count_a <= 16'(u_top.count_a);
@@ -244,8 +248,9 @@ module triaxis_go_formal
   part_t part_q;
   always_ff @(posedge clk_i) begin
     if (u_top.done) begin
-      ended_run_q  <= engine_run_q;
-      ended_host_q <= host_run_d;
+      ended_run_q   <= engine_run_q;
+      ended_host_q  <= host_run_d;
+      ended_zones_q <= u_top.zones;
     end
   end
   always_ff @(posedge clk_i or negedge rst_n) begin
@@ -333,6 +338,8 @@ module triaxis_go_formal
         // None while a fault stands, nor before the end of a run that was asked for after it.
         NoFault : assert (!was_fault_q && !faulted_q);
       end
+      // Beyond a zone only with go, and where the run that go stands on looked at it and found nothing in it.
+      Beyond : assert ({beyond_warn_o, beyond_slow_o} == (go_o ? ~ended_zones_q : '0));
       // Go lasts as long as it may.
       Lasts :
       assert (go_o || !was_go_q || reason_q ||
@@ -351,6 +358,7 @@ module triaxis_go_formal
       FitsTheMesh :
       assert (!load || u_top.load_tuser[1] || engine_count[u_top.load_tuser[0]] < 17'(Depth));
       SeenGo : cover (go_o && ran_q);
+      SeenSlow : cover (go_o && ran_q && beyond_slow_o && !beyond_warn_o);
       SeenLoad :
       cover (acknowledged && frame.command == CmdLoad && known_d && !known_q && loaded_q);
       SeenStopInTime :
@@ -408,6 +416,8 @@ module triaxis_go_formal
       assert (timed == u_top.g_safety[1].u_safety.timed_q);
       assert (hold_left == u_top.g_safety[1].u_safety.left_q);
       assert (hold_part == u_top.g_safety[1].u_safety.part_q);
+      assert (u_top.g_safety[0].u_safety.zones_q == u_top.g_safety[1].u_safety.zones_q);
+      assert (u_top.says_beyond[0] == u_top.says_beyond[1]);
       assert (hold_part < part_t'(HoldClocks) && part_q < part_t'(HoldClocks));
       assert (u_top.runner_seen[0] == u_top.runner_seen[1]);
       // The command: states, and what is read of the frame.
@@ -444,10 +454,11 @@ module triaxis_go_formal
       end
       if (executes && frame.command == CmdRun) begin
         for (int k = 0; k < 3; k++)
-        assert (frame.fields[80+32*k+:32] == 32'(signed'(frame.fields[80+32*k+:W+1])));
-        assert (!busy && frame.fields[7:0] <= 8'(ModeCount) && (frame.fields[39:8] >> M) == '0);
-        assert (17'(frame.fields[55:40]) == engine_count[0] && engine_count[0] != '0);
-        assert (17'(frame.fields[71:56]) == engine_count[1] && engine_count[1] != '0);
+        assert (frame.fields[144+32*k+:32] == 32'(signed'(frame.fields[144+32*k+:W+1])));
+        for (int z = 0; z < int'(Zones); z++) assert ((frame.fields[8+32*z+:32] >> M) == '0);
+        assert (!busy && frame.fields[7:0] <= 8'(ModeCount));
+        assert (17'(frame.fields[119:104]) == engine_count[0] && engine_count[0] != '0);
+        assert (17'(frame.fields[135:120]) == engine_count[1] && engine_count[1] != '0);
       end
       assert (state != Load || (ok && u_top.u_command.next && frame.command == CmdLoad));
       assert (state != AbortEnd || (ok && u_top.u_command.next && frame.command == CmdAbort));
@@ -515,9 +526,10 @@ module triaxis_go_formal
         assert (asked_d && !(state inside {HelloEnd, AbortEnd}) && !loading);
         assert (!wrong_q || (heard && frame.command == CmdRun));
         assert (u_top.status.pose == host_run_d.pose && u_top.runs[0].hold == host_run_d.hold);
-        assert (u_top.status.margin == host_run_d.margin && u_top.run_mode == host_run_d.mode);
+        assert (u_top.g_runner[0].u_runner.margins_q == host_run_d.margins &&
+                u_top.run_mode == host_run_d.mode);
         assert (u_top.trial == host_run_d.trial && !faulted_q);
-        assert ((host_run_d.margin >> M) == '0);
+        for (int z = 0; z < int'(Zones); z++) assert ((host_run_d.margins[z] >> M) == '0);
         assert (engine_count[0] == 17'(host_run_d.count_a) && engine_count[0] != '0);
         assert (engine_count[1] == 17'(host_run_d.count_b) && engine_count[1] != '0);
         assert (u_top.run_tvalid || unchanged_q);
@@ -527,6 +539,7 @@ module triaxis_go_formal
       if (go_o) begin
         assert (clear_q && unchanged_q && ended_run_q == ended_host_q);
         assert (!busy || host_run_d.hold != '0);
+        assert (u_top.g_safety[0].u_safety.zones_q == ended_zones_q);
         assert (ended_host_q.count_a == host_run_d.count_a &&
                 ended_host_q.count_b == host_run_d.count_b);
         assert (timed == (ended_host_q.hold != '0));

@@ -2,14 +2,17 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // The walk of a run: one triangle of A and one of B are followed, free constants, from the start of a
-// run to its end. A complete run has handed the pair to the core, once, as it is in memory, A moved,
-// and has its verdict; or has held its boxes, or boxes around them, against one another, and on one
-// axis they are apart by more than the margin. Or something rested on a word of a memory that was not
-// intact, and then the engine knows of it at that clock. All this is of the first of the two walks: what
-// becomes of a difference, and of a fault, is `engine_checks`. While a mesh is scrubbed the walk reads nothing.
+// run to its end. A complete run has handed the pair to the core, once in a zone, as it is in memory, A moved,
+// and has its verdict: near, of the margin; or clear, and not less far than any zone in which it says that
+// nothing is; a zone that is no wider than the one within it is never one of these. Or it has held its boxes, or
+// boxes around them, against one another, and on one axis they are apart by more than the widest margin. Or
+// something rested on a word of a memory that was not intact, and then the engine knows of it at that clock. All
+// this is of the first of the two walks: what becomes of a difference, and of a fault, is `engine_checks`. While
+// a mesh is scrubbed the walk reads nothing.
 //
 // While the run goes on the pair is in one place: not yet reached by the scan of the rows, in a stage,
-// or in a queue, alone or in a group or a word that holds it; or it was skipped; or it was issued.
+// or in a queue, alone or in a group or a word that holds it; in the core, or in the queue of those that
+// are asked again; or it was skipped; or its last verdict was taken.
 
 `include "triaxis_formal.svh"
 
@@ -24,6 +27,7 @@ module triaxis_mesh_formal
     parameter int unsigned Group = 4,
     parameter int unsigned Lanes = 2,
     parameter int unsigned QueueDepth = 4,
+    parameter int unsigned AgainDepth = 4,
     localparam int unsigned IndexWidth = $clog2(Depth)
 ) (
     input logic clk_i,
@@ -33,7 +37,7 @@ module triaxis_mesh_formal
     input logic [1:0] s_axis_load_tuser_i,
     input logic s_axis_run_tvalid_i,
     input logic [3*move_width(W)-1:0] s_axis_run_tdata_i,
-    input logic [$bits(trial_t)+M+1:0] s_axis_run_tuser_i,
+    input logic [run_user_width(M)-1:0] s_axis_run_tuser_i,
     input logic abort_i,
     input logic m_axis_near_tready_i,
     input logic m_axis_done_tready_i
@@ -42,7 +46,7 @@ module triaxis_mesh_formal
   localparam int unsigned RowQueueDepth = 4;
   localparam int unsigned WordsOfGroup = Group / Lanes;
   // States of the run's control, by their places in the enumeration.
-  localparam logic [2:0] Idle = 3'd1, Settle = 3'd2, Check = 3'd3, Start = 3'd4;
+  localparam logic [2:0] Fresh = 3'd0, Idle = 3'd1, Settle = 3'd2, Check = 3'd3, Start = 3'd4;
   localparam logic [2:0] Scan = 3'd5, Drain = 3'd6, Report = 3'd7;
 
   typedef logic signed [W+3:0] wide_t;
@@ -76,6 +80,7 @@ module triaxis_mesh_formal
       .pairs_skipped_o(),
       .tested_o(),
       .near_o(),
+      .zones_o(),
       .acknowledge_i(1'b0),
       .fault_o(),
       .*
@@ -114,11 +119,14 @@ module triaxis_mesh_formal
     return wide_t'($signed(box[1][k]));
   endfunction
 
+  // Margin is the widest: what is skipped is further.
   wide_t move[3], margin;
+  logic [Zones-1:0][M-1:0] margins;
   for (genvar k = 0; k < 3; k++) begin : g_move
     assign move[k] = wide_t'($signed(`WALK.u_control.move_o[k]));
   end
-  assign margin = wide_t'({4'b0, `WALK.u_control.margin_o});
+  assign margins = `WALK.u_control.margins_o;
+  assign margin  = wide_t'({4'b0, margins[ZoneWarn]});
 
   // On one axis more than the margin lies between a box of A, moved, and one of B.
   function automatic logic apart(box_t of_a, box_t of_b);
@@ -144,7 +152,7 @@ module triaxis_mesh_formal
 
   // --- What becomes of it ---------------------------------------------------------------------------------
 
-  logic skips_row, skips_word, skips_box, issues, sends;
+  logic skips_row, skips_word, skips_box, issues, sends, answered, last;
   assign skips_row = `WALK.row_skip && 32'(`WALK.u_rows.grown_group_q) == row;
   assign skips_word = 32'(`WALK.u_words.read_row_q) == row &&
       32'(`WALK.u_words.read_word_q) == column_word && `WALK.u_words.decided[column_lane] &&
@@ -154,6 +162,10 @@ module triaxis_mesh_formal
       !`WALK.u_boxes.overlap[lane];
   assign issues = `WALK.issue && `WALK.triangle_a_index_o == a && `WALK.triangle_b_index_o == b;
   assign sends = u_mesh.core_valid && u_mesh.core_ready && u_mesh.core_a == a && u_mesh.core_b == b;
+  assign answered = u_mesh.verdict_valid && u_mesh.verdicts_ready[0] &&
+      u_mesh.verdict_pair == {b, a};
+  // Whatever else it says, the pair is asked again.
+  assign last = !u_mesh.verdict[0] || u_mesh.verdict_zone == ZoneMargin;
 
   // In this clock something rests on a word that is not intact; something did in this run.
   logic breaks, broken_q;
@@ -167,33 +179,57 @@ module triaxis_mesh_formal
     else broken_q <= breaks || (broken_q && !`WALK.restart);
   end
 
-  // The pair is followed in this run; what became of it.
-  logic followed_q, follows, skipped_q, issued_q, sent_q;
+  // The pair is followed in this run; what became of it: the zone that it was asked in last; its last verdict.
+  logic followed_q, follows, skipped_q, asked_q, decided_q, near_q;
+  zone_e asked_zone_q;
   assign follows = followed_q && !breaks;
   always_ff @(posedge clk_i or negedge rst_ni) begin
-    if (!rst_ni) {followed_q, skipped_q, issued_q, sent_q} <= '0;
-    else if (`WALK.restart || `WALK.drain || breaks)
-      {followed_q, skipped_q, issued_q, sent_q} <= '0;
+    if (!rst_ni) {followed_q, skipped_q, asked_q, decided_q} <= '0;
+    else if (`WALK.restart || `WALK.drain || `WALK.first || breaks)
+      {followed_q, skipped_q, asked_q, decided_q} <= '0;
     else if (`WALK.start) followed_q <= present;
     else if (followed_q) begin
       if (skips_row || skips_word || skips_box) skipped_q <= 1'b1;
-      if (issues) issued_q <= 1'b1;
-      if (sends) sent_q <= 1'b1;
+      if (issues) asked_q <= 1'b1;
+      if (answered && last) decided_q <= 1'b1;
     end
+  end
+  always_ff @(posedge clk_i) begin
+    if (issues) asked_zone_q <= `WALK.zone;
+    if (answered) near_q <= u_mesh.verdict[0];
+  end
+
+  // What the run says of each outer zone is so of the pair: something is in it, or this pair is not.
+  logic [Zones-1:1] zones, zone_told, not_less, wider;
+  assign zones = `WALK.zones_o;
+  for (genvar z = 1; z < Zones; z++) begin : g_zone
+    assign not_less[z] = margins[asked_zone_q] >= margins[z];
+    assign wider[z] = margins[z] > margins[z-1];
+    assign zone_told[z] = zones[z] || (!near_q && not_less[z]);
   end
 
   always_comb begin
     if (rst_ni) begin
       Accounted :
       assert (!done || status != StatusComplete || empty || !present || broken_q || skipped_q ||
-              sent_q);
+              decided_q);
+      ZonesTold : assert (!done || status != StatusComplete || !decided_q || zone_told == '1);
+      NeverFreeUnasked : assert (!done || status != StatusComplete || (zones | wider) == '1);
+      NearOfMargin : assert (!decided_q || !near_q || (asked_zone_q == ZoneMargin && zones == '1));
       RowsApart : assert (!follows || !skips_row || apart(group_a, object_b));
       WordsApart : assert (!follows || !skips_word || apart(group_a, group_b));
       BoxesApart : assert (!follows || !skips_box || apart(box_a, box_b));
-      Once : assert (!followed_q || !issues || (!issued_q && !skipped_q));
-      assert (!followed_q || !sends || (!sent_q && issued_q));
+      // Once, or again in a narrower zone.
+      Once :
+      assert (!followed_q || !issues ||
+              (!decided_q && !skipped_q && (!asked_q || `WALK.zone < asked_zone_q)));
+      DecidedOnce : assert (!followed_q || !answered || (!decided_q && asked_q));
       AsItIs :
-      assert (!followed_q || !sends || u_mesh.core_pair == {u_mesh.u_store_b.triangle_q, moved});
+      assert (!followed_q || !sends ||
+              (u_mesh.core_pair == {u_mesh.u_store_b.triangle_q, moved} &&
+               u_mesh.core_margin[0] == margins[asked_zone_q]));
+      // What is to be asked again is not lost.
+      AgainFits : assert (!`WALK.again || `WALK.u_again.ready_o);
       BrokenIsTold : assert (!breaks || u_mesh.broken);
       // No one else reads, so that a word is where the walk looked for it.
       ScrubsAtRest :
@@ -203,7 +239,10 @@ module triaxis_mesh_formal
       // Verdicts are taken; nothing is found broken, and no verdict wrong, once the summary is there.
       VerdictTaken : assert (!done || (!breaks && u_mesh.g_core.u_core.held_q == '0));
 
-      SeenSent : cover (done && status == StatusComplete && sent_q);
+      SeenSent : cover (done && status == StatusComplete && decided_q);
+      SeenAgain :
+      cover (done && status == StatusComplete && decided_q && !near_q && zones == 2'b10 &&
+             margins[ZoneMargin] < margins[ZoneSlow] && margins[ZoneSlow] < margins[ZoneWarn]);
       SeenSkippedRow : cover (followed_q && skips_row);
       SeenSkippedWord : cover (followed_q && skips_word);
       SeenSkippedBox : cover (followed_q && skips_box);
@@ -217,6 +256,7 @@ module triaxis_mesh_formal
   // Entries of the queues that hold the pair; of the oldest, what is left of it.
   logic [RowQueueDepth-1:0] in_rows;
   logic [QueueDepth-1:0] in_groups, in_masked;
+  logic [AgainDepth-1:0] in_again;
   logic ahead_in_row, ahead_in_group;
   assign ahead_in_row = 32'(`WALK.u_words.word_q) <= column_word;
   assign ahead_in_group = 32'(`WALK.u_boxes.triangle_q) < step ||
@@ -267,6 +307,13 @@ module triaxis_mesh_formal
         `WALK.u_masked_pairs.u_words.memory_q[i].mask[lane];
   end
 
+  for (genvar i = 0; i < AgainDepth; i++) begin : g_again
+    logic [$clog2(AgainDepth)-1:0] age;
+    assign age = 2'(i) - `WALK.u_again.u_words.read_q[1:0];
+    assign in_again[i] = 3'(age) < `WALK.u_again.held_q &&
+        `WALK.u_again.u_words.memory_q[i] == {b, a};
+  end
+
   logic [9:0] in_stages;
   assign in_stages = {
     `WALK.u_rows.scanning_q && 32'(`WALK.u_rows.next_q) <= row,
@@ -286,10 +333,26 @@ module triaxis_mesh_formal
     `WALK.pair_word.index == a && 32'(`WALK.pair_word.word) == word &&
         `WALK.u_pick_pair.mask_q[lane]
   };
-  localparam int unsigned Places = 10 + RowQueueDepth + 2 * QueueDepth + 2;
+  localparam int unsigned Places = 10 + RowQueueDepth + 2 * QueueDepth + AgainDepth + 5;
   logic [Places-1:0] places;
   logic somewhere, twice;
-  assign places = {in_stages, in_rows, in_groups, in_masked, skipped_q, issued_q};
+  logic read_here, offered_here, core_here;
+  assign read_here = `WALK.u_fetch.read_valid_q && `WALK.u_fetch.read_a_q == a &&
+      `WALK.u_fetch.read_b_q == b;
+  assign offered_here = u_mesh.core_valid && u_mesh.core_a == a && u_mesh.core_b == b;
+  assign core_here = u_mesh.g_core.u_core.here_q;
+  assign places = {
+    in_stages,
+    in_rows,
+    in_groups,
+    in_masked,
+    in_again,
+    read_here,
+    offered_here,
+    core_here,
+    skipped_q,
+    decided_q
+  };
   always_comb begin
     {somewhere, twice} = '0;
     for (int i = 0; i < int'(Places); i++) begin
@@ -297,24 +360,42 @@ module triaxis_mesh_formal
       somewhere |= places[i];
     end
   end
-  logic read_here, offered_here, at_rest, in_run;
-  assign read_here = `WALK.u_fetch.read_valid_q && `WALK.u_fetch.read_a_q == a &&
-      `WALK.u_fetch.read_b_q == b;
-  assign offered_here = u_mesh.core_valid && u_mesh.core_a == a && u_mesh.core_b == b;
+  logic at_rest, in_run;
   assign at_rest = `WALK.groups_idle && `WALK.rows_idle && `WALK.boxes_idle &&
-      !`WALK.masked_valid && !`WALK.pair_valid;
+      !`WALK.masked_valid && !`WALK.pair_valid && !`WALK.again_valid;
   assign in_run = state inside {Start, Scan, Drain};
 
+  // What the margins are made of: no zone is narrower than the one within it.
+  logic [Zones-1:0][M-1:0] asked;
+  logic [M-1:0] asked_slow, asked_warn;
+  assign asked = `WALK.u_control.asked_q;
+  assign asked_slow = asked[ZoneSlow] > asked[ZoneMargin] ? asked[ZoneSlow] : asked[ZoneMargin];
+  assign asked_warn = asked[ZoneWarn] > asked_slow ? asked[ZoneWarn] : asked_slow;
+
   always_comb begin
+    assume (u_mesh.g_core.u_core.followed_q == {b, a});
     if (rst_ni) begin
       // The place of the pair.
       assert (!followed_q || (somewhere && !twice));
-      assert (!followed_q || (read_here || offered_here || sent_q) == issued_q);
-      assert (!followed_q || !((read_here && offered_here) ||
-              (sent_q && (read_here || offered_here))));
+      assert (!followed_q ||
+              (read_here || offered_here || core_here || decided_q || in_again != '0) == asked_q);
+      // The zone that it was asked in.
+      if (followed_q && asked_q) begin
+        assert (asked_zone_q <= ZoneWarn);
+        assert (!read_here || `WALK.u_fetch.read_zone_q == asked_zone_q);
+        assert (!offered_here || `WALK.core_zone_o == asked_zone_q);
+        assert (!core_here || u_mesh.g_core.u_core.zone_q == asked_zone_q);
+        assert (in_again == '0 || (asked_zone_q != ZoneMargin && zones[asked_zone_q]));
+        assert (!(state inside {Scan, Report}) || (zones | not_less) == '1);
+      end
+      assert (!(state inside {Check, Start, Scan, Drain, Report}) || (zones | `WALK.wider) == '1);
+      assert (!followed_q || !u_mesh.g_core.u_core.twice_q);
+      assert (u_mesh.g_core.u_core.held_q != '0 ||
+              !(u_mesh.g_core.u_core.here_q || u_mesh.g_core.u_core.twice_q));
+      assert (!(state inside {Check, Start} || (done && status == StatusComplete)) || !`WALK.first);
       assert (state != Scan || followed_q == (present && !broken_q));
       assert (!broken_q || !(followed_q || state inside {Check, Start}));
-      assert (followed_q || {skipped_q, issued_q, sent_q} == '0);
+      assert (followed_q || {skipped_q, asked_q, decided_q} == '0);
       assert (!followed_q ||
               (state inside {Scan, Drain, Report} ? present : state inside {Idle, Settle}));
 
@@ -327,6 +408,8 @@ module triaxis_mesh_formal
       assert (32'(`WALK.u_near.in_flight_q) == 32'(`WALK.u_fetch.read_valid_q) +
               32'(u_mesh.core_valid) + 32'(u_mesh.g_core.u_core.held_q));
       assert (32'(u_mesh.g_core.u_core.held_q) <= u_mesh.g_core.u_core.Places);
+      // None is new while one is asked again.
+      assert (32'(`WALK.u_near.in_flight_q) + 32'(`WALK.u_again.held_q) <= u_mesh.InFlight);
 
       assert (32'(u_mesh.count_a_o) <= Depth && 32'(u_mesh.count_b_o) <= Depth);
 
@@ -337,6 +420,10 @@ module triaxis_mesh_formal
               `WALK.u_group_pairs.u_words.read_q && `WALK.u_group_pairs.held_q <= 3'd4);
       assert (`WALK.u_masked_pairs.held_q == `WALK.u_masked_pairs.u_words.write_q -
               `WALK.u_masked_pairs.u_words.read_q && `WALK.u_masked_pairs.held_q <= 3'd4);
+      assert (`WALK.u_again.held_q == `WALK.u_again.u_words.write_q -
+              `WALK.u_again.u_words.read_q && `WALK.u_again.held_q <= 3'd4);
+      assert (state == Fresh || `WALK.u_again.ready_q == (`WALK.u_again.held_q != 3'd4));
+      assert (state != Fresh || `WALK.u_again.held_q == '0);
       assert (!`WALK.u_rows.u_waiting.ready_q || `WALK.u_rows.u_waiting.held_q != 3'd4);
       assert (!`WALK.u_group_pairs.ready_q || `WALK.u_group_pairs.held_q != 3'd4);
       assert (!`WALK.u_masked_pairs.ready_q || `WALK.u_masked_pairs.held_q != 3'd4);
@@ -345,8 +432,8 @@ module triaxis_mesh_formal
       if (state inside {Check, Start, Scan}) begin
         assert (`WALK.settled_i);
         for (int k = 0; k < 3; k++) begin
-          assert (wide_t'($signed(`WALK.shift[0][k])) == move[k] - margin);
-          assert (wide_t'($signed(`WALK.shift[1][k])) == move[k] + margin);
+          assert (state == Check || wide_t'($signed(`WALK.shift[0][k])) == move[k] - margin);
+          assert (state == Check || wide_t'($signed(`WALK.shift[1][k])) == move[k] + margin);
           assert ((state == Check && (`WALK.u_control.overflow_q || `WALK.empty_a)) || (low(
               object_a, k
           ) + move[k] >= -(wide_t'(1) <<< (W - 1)) && high(
@@ -354,6 +441,8 @@ module triaxis_mesh_formal
           ) + move[k] < (wide_t'(1) <<< (W - 1))));
         end
       end
+      assert (state inside {Fresh, Idle, Settle} ||
+              margins == {asked_warn, asked_slow, asked[ZoneMargin]});
       assert (!(state inside {Start, Scan}) || !empty);
       assert (!`WALK.u_rows.scanning_q || !(state inside {Scan, Drain}) ||
               32'(`WALK.u_rows.next_q) < 32'(`WALK.groups_a));

@@ -102,26 +102,47 @@ module triaxis_mesh_store;
 endmodule
 
 // The core: takes pairs, and gives as many verdicts, at any clocks, of as many pairs at a time as its
-// queue has places: shown by `streams`. Verdicts are anything.
+// queue has places, few here: shown by `streams`. Verdicts are anything. One pair, whichever it is, is followed:
+// a verdict of it, with the zone that it was asked in, comes where it is inside; in any order, which allows more
+// than the real one does. Were it twice inside, verdicts would be of any pair.
 // verilog_lint: waive module-filename
 module triaxis_core;
 
-  localparam int unsigned Places = 2 ** $clog2(core_latency(W, M));
+  localparam int unsigned Places = 2;
   typedef logic [$clog2(Places):0] count_t;
-  count_t held_q;
-  logic free_ready, free_valid;
+  count_t held_q, held_d;
+  logic free_ready, free_valid, free_turn;
   logic [15:0] free_verdict;
   logic [TAG-1:0] free_user;
+  logic [TAG-3:0] followed_q;
+  logic [1:0] zone_q;
+  logic comes, turn, here_q, twice_q;
 
   assign s_axis_tready_o = free_ready && held_q != count_t'(Places);
   assign m_axis_tvalid_o = free_valid && held_q != '0;
-  assign m_axis_tdata_o  = free_verdict;
-  assign m_axis_tuser_o  = free_user;
+  assign m_axis_tdata_o = free_verdict;
+  assign m_axis_tuser_o = turn ? {zone_q, followed_q} : free_user;
+  assign comes = s_axis_tvalid_i && s_axis_tready_o && s_axis_tuser_i[M+:TAG-2] == followed_q;
+  assign turn = here_q && !twice_q && (free_turn || held_q == count_t'(1));
+  assign held_d = held_q + count_t'(s_axis_tvalid_i && s_axis_tready_o) -
+      count_t'(m_axis_tvalid_o && m_axis_tready_i);
   always_ff @(posedge clk_i or negedge rst_ni) begin
-    if (!rst_ni) held_q <= '0;
-    else
-      held_q <= held_q + count_t'(s_axis_tvalid_i && s_axis_tready_o) -
-          count_t'(m_axis_tvalid_o && m_axis_tready_i);
+    if (!rst_ni) begin
+      held_q <= '0;
+      {here_q, twice_q} <= '0;
+    end else begin
+      held_q <= held_d;
+      here_q <= held_d != '0 &&
+          (comes || (here_q && !(turn && m_axis_tvalid_o && m_axis_tready_i)));
+      twice_q <= held_d != '0 && (twice_q || (comes && here_q));
+    end
+  end
+  always_ff @(posedge clk_i) begin
+    followed_q <= followed_q;
+    if (comes) zone_q <= s_axis_tuser_i[M+TAG-2+:2];
+  end
+  always_comb begin
+    OfWhatIsInside : assume (turn || twice_q || free_user[TAG-3:0] != followed_q);
   end
 
 endmodule

@@ -3,7 +3,7 @@
 //
 // Skipping, from what a run asks for to the comparison of boxes, registers included, against its
 // definition: a box of A, moved, is skipped exactly where one axis separates it from the box of B by
-// more than the margin; boxes around these are skipped only where these are; A moved is refused
+// more than the widest margin; boxes around these are skipped only where these are; A moved is refused
 // exactly where it leaves the range. For all boxes, translations and margins.
 //
 // Each sum and each comparison by itself is that of whole numbers, so that no width cuts anything:
@@ -27,7 +27,7 @@ module triaxis_overlap_formal
     input logic signed [6*W-1:0] object_i,
     input logic empty_a_i,
     input logic [3*move_width(W)-1:0] asked_i,
-    input logic [M-1:0] margin_i
+    input logic [Zones-1:0][M-1:0] margins_i
 );
 
   typedef logic signed [W-1:0] coord_t;
@@ -54,8 +54,10 @@ module triaxis_overlap_formal
   end
 
   grown_t shift[2][3], grown[2][2][3];
+  logic [Zones-1:0][M-1:0] margins;
   logic [M-1:0] margin;
-  logic [  1:0] overlap[2];
+  assign margin = margins[ZoneWarn];
+  logic [1:0] overlap[2];
 
   // Nothing is accepted in the clocks that are looked at: what was asked for stays, and is free.
   triaxis_run_control #(
@@ -68,7 +70,7 @@ module triaxis_overlap_formal
       .s_axis_run_tvalid_i(1'b0),
       .s_axis_run_tready_o(),
       .move_i(asked),
-      .margin_i,
+      .margins_i,
       .mode_i('0),
       .abort_i(1'b0),
       .busy_o(),
@@ -79,7 +81,7 @@ module triaxis_overlap_formal
       .object_a_i(object),
       .move_o(move),
       .shift_o(shift),
-      .margin_o(margin),
+      .margins_o(margins),
       .mode_o(),
       .clear_o(),
       .start_o(),

@@ -2,7 +2,9 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // The course of a run: what its summary may say, that it waits unchanged, and that no run which was
-// cut short is ever complete. Idle, first and aborts come at any clocks.
+// cut short is ever complete; and its margins: no zone is narrower than the one within it, and what is
+// skipped is further than the widest; which are wider is told from the clock after it is accepted on. Idle,
+// first and aborts come at any clocks.
 
 `include "triaxis_formal.svh"
 
@@ -10,6 +12,7 @@ module triaxis_run_control_formal
   import triaxis_mesh_pkg::*;
 #(
     parameter int unsigned W = 8,
+    parameter int unsigned M = 8,
     parameter int unsigned CycleBits = 4
 ) (
     input logic clk_i,
@@ -23,17 +26,22 @@ module triaxis_run_control_formal
     input logic empty_i,
     input logic signed [W-1:0] low_i,
     input logic signed [move_width(W)-1:0] asked_i,
+    input logic [Zones-1:0][M-1:0] margins_i,
     input logic idle_i,
     input logic first_i,
     input logic m_axis_done_tready_i
 );
 
   typedef logic [CycleBits-1:0] cycles_t;
+  typedef logic signed [W+3:0] wide_t;
+  typedef logic [Zones-1:0][M-1:0] margins_t;
   // States, by their places in the enumeration.
-  localparam logic [2:0] Settle = 3'd2, Check = 3'd3, Scan = 3'd5;
+  localparam logic [2:0] Settle = 3'd2, Check = 3'd3;
+  localparam logic [2:0] Scan = 3'd5;
 
   logic s_axis_run_tready_o, busy_o, clear_o, start_o, drain_o, m_axis_done_tvalid_o;
-  logic margin_o;
+  margins_t margins_o;
+  logic [Zones-1:1] wider_o;
   mode_e mode_o;
   status_e status_o;
   cycles_t cycles_o;
@@ -45,10 +53,9 @@ module triaxis_run_control_formal
 
   triaxis_run_control #(
       .W(W),
-      .MarginWidth(1),
+      .MarginWidth(M),
       .CycleBits(CycleBits)
   ) u_control (
-      .margin_i(1'b0),
       .*
   );
 
@@ -97,6 +104,30 @@ module triaxis_run_control_formal
     empty_q <= empty_i;
   end
 
+  // The margins, and where it goes, that the run was asked for.
+  margins_t margins_q;
+  logic [Zones-1:1] wider_right, wider_q;
+  logic wide_q;
+  logic signed [move_width(W)-1:0] move_q;
+  wide_t widest;
+  assign widest = wide_t'({4'b0, margins_o[ZoneWarn]});
+  logic [2:0] shift_right;
+  for (genvar k = 0; k < 3; k++) begin : g_shift
+    assign shift_right[k] = wide_t'(shift_o[0][k]) == wide_t'(move_q) - widest &&
+        wide_t'(shift_o[1][k]) == wide_t'(move_q) + widest;
+  end
+  for (genvar z = 1; z < Zones; z++) begin : g_wider
+    assign wider_right[z] = wider_o[z] == (margins_o[z] > margins_o[z-1]);
+  end
+  always_ff @(posedge clk_i) begin
+    wider_q <= wider_o;
+    wide_q  <= running_q;
+    if (accept) begin
+      margins_q <= margins_i;
+      move_q <= asked_i;
+    end
+  end
+
   always_comb begin
     FirstStays : assume (!drain_o || !was_first_q || first_i);
     if (rst_ni) begin
@@ -126,7 +157,27 @@ module triaxis_run_control_formal
       CompleteIfIdle :
       assert (waited_q || !m_axis_done_tvalid_o || status_o != StatusComplete ||
               (scanned_q ? was_idle_q : empty_q));
+      // From before the scan on.
+      if (running_q && u_control.state_q != Settle) begin
+        MarginAsAsked : assert (margins_o[ZoneMargin] == margins_q[ZoneMargin]);
+        Ordered :
+        assert (margins_o[ZoneMargin] <= margins_o[ZoneSlow] &&
+                margins_o[ZoneSlow] <= margins_o[ZoneWarn]);
+        ZonesAsAsked :
+        assert ((margins_o[ZoneSlow] == margins_q[ZoneSlow] ||
+                 (margins_o[ZoneSlow] == margins_o[ZoneMargin] &&
+                  margins_q[ZoneSlow] < margins_o[ZoneSlow])) &&
+                (margins_o[ZoneWarn] == margins_q[ZoneWarn] ||
+                 (margins_o[ZoneWarn] == margins_o[ZoneSlow] &&
+                  margins_q[ZoneWarn] < margins_o[ZoneWarn])));
+        WiderIsWider : assert (wider_right == '1);
+      end
+      // Where what is found begins anew, it is known already.
+      if (running_q && wide_q) WiderStays : assert (wider_o == wider_q);
+      ShiftsByWidest : assert (!(start_o || u_control.state_q == Scan) || shift_right == '1);
       // What makes it inductive: where the ghosts and the state agree.
+      assert (!running_q || u_control.asked_q == margins_q);
+      for (int k = 0; k < 3; k++) assert (!running_q || move_o[k] == move_q);
       Clearing : assert (u_control.state_q != Settle || cleared_q || clear_o);
       Cleared : assert (u_control.state_q != Check || cleared_q);
       Drained : assert (!drained_q || !running_q || drain_o || m_axis_done_tvalid_o);
@@ -139,6 +190,9 @@ module triaxis_run_control_formal
       SeenFirst : cover (m_axis_done_tvalid_o && status_o == StatusFirst && waited_q);
       SeenAborted : cover (m_axis_done_tvalid_o && status_o == StatusAborted && scanned_q);
       SeenOverflow : cover (m_axis_done_tvalid_o && status_o == StatusOverflow);
+      SeenZones :
+      cover (start_o && margins_o[ZoneSlow] > margins_o[ZoneMargin] &&
+             margins_o[ZoneWarn] > margins_q[ZoneWarn]);
       SeenMostCycles : cover (m_axis_done_tvalid_o && cycles_o == '1);
     end
   end

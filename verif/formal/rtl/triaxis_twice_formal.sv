@@ -15,7 +15,8 @@ module triaxis_twice_formal
     parameter int unsigned M = 8,
     parameter int unsigned Depth = 16,
     parameter int unsigned Group = 4,
-    parameter int unsigned Lanes = 2
+    parameter int unsigned Lanes = 2,
+    localparam int unsigned SummaryWidth = summary_width(Depth)
 ) (
     input logic clk_i,
     input logic rst_ni,
@@ -24,7 +25,7 @@ module triaxis_twice_formal
     input logic [1:0] s_axis_load_tuser_i,
     input logic s_axis_run_tvalid_i,
     input logic [3*move_width(W)-1:0] s_axis_run_tdata_i,
-    input logic [$bits(trial_t)+M+1:0] s_axis_run_tuser_i,
+    input logic [run_user_width(M)-1:0] s_axis_run_tuser_i,
     input logic abort_i,
     input logic m_axis_near_tready_i,
     input logic m_axis_done_tready_i,
@@ -57,6 +58,7 @@ module triaxis_twice_formal
       .pairs_skipped_o(),
       .tested_o(),
       .near_o(),
+      .zones_o(),
       .*
   );
 
@@ -76,6 +78,7 @@ module triaxis_twice_formal
       (!u_mesh.walk_core_valid[0] || (u_mesh.walk_core_pair[0] == u_mesh.walk_core_pair[1] &&
        u_mesh.walk_core_a[0] == u_mesh.walk_core_a[1] &&
        u_mesh.walk_core_b[0] == u_mesh.walk_core_b[1] &&
+       u_mesh.core_zone[0] == u_mesh.core_zone[1] &&
        u_mesh.core_margin[0] == u_mesh.core_margin[1]));
   assign same_answers = ^u_mesh.run_ready == 1'b0 && ^u_mesh.busy == 1'b0 &&
       ^u_mesh.verdicts_ready == 1'b0 && ^u_mesh.near_valid == 1'b0 &&
@@ -88,13 +91,16 @@ module triaxis_twice_formal
   logic [1:0] over;
   status_e said[2];
   logic [2*$clog2(Depth):0] near_said[2];
+  logic [Zones-1:1] zones_said[2];
   for (genvar i = 0; i < 2; i++) begin : g_walk
     assign over[i] = u_mesh.g_walk[i].u_walk.m_axis_done_tvalid_o;
     assign said[i] = u_mesh.g_walk[i].u_walk.status_o;
     assign near_said[i] = u_mesh.g_walk[i].u_walk.near_o;
+    assign zones_said[i] = u_mesh.g_walk[i].u_walk.zones_o;
   end
   logic same_summary;
-  assign same_summary = over[0] == over[1] && said[0] == said[1] && near_said[0] == near_said[1];
+  assign same_summary = over[0] == over[1] && said[0] == said[1] && near_said[0] == near_said[1] &&
+      zones_said[0] == zones_said[1];
 
   // --- The intakes ----------------------------------------------------------------------------------------
 
@@ -177,7 +183,7 @@ module triaxis_twice_formal
     end
     // The lowest bits of what a walk shows, which are compared in the very clock of a summary.
     for (int i = 0; i < 2; i++)
-    assert (u_mesh.seen[i][summary_width(Depth)-1:0] == {over[i], said[i], near_said[i]});
+    assert (u_mesh.seen[i][SummaryWidth-1:0] == {over[i], said[i], zones_said[i], near_said[i]});
   end
 
 endmodule

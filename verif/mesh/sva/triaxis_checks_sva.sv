@@ -142,7 +142,7 @@ bind triaxis_walk triaxis_shown_sva #(
       triangle_read_o,
       {2 * IndexWidth{triangle_read_o}} & {triangle_a_index_o, triangle_b_index_o},
       core_valid_o,
-      {18 * W + 2 * IndexWidth{core_valid_o}} & {core_pair_o, core_a_o, core_b_o},
+      {18 * W + 2 * IndexWidth + 2{core_valid_o}} & {core_pair_o, core_a_o, core_b_o, core_zone_o},
       verdict_ready_o,
       m_axis_near_tvalid_o,
       {2 * IndexWidth{m_axis_near_tvalid_o}} & m_axis_near_tdata_o,
@@ -153,6 +153,7 @@ bind triaxis_walk triaxis_shown_sva #(
       tested_o,
       m_axis_done_tvalid_o,
       status_o,
+      zones_o,
       near_o
     }))
 );

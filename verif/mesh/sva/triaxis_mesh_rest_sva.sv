@@ -52,7 +52,13 @@ bind triaxis_mesh triaxis_mesh_rest_sva u_rest_sva (
     .settled,
     .first(g_walk[0].u_walk.first),
     .summary(status_o != triaxis_mesh_pkg::StatusNone || {
-      cycles_o, group_pairs_skipped_o, group_pairs_opened_o, pairs_skipped_o, tested_o, near_o
+      cycles_o,
+      group_pairs_skipped_o,
+      group_pairs_opened_o,
+      pairs_skipped_o,
+      tested_o,
+      near_o,
+      zones_o
     } != '0),
     .reads({row_read, word_read, box_a_read, box_b_read, triangle_read} != '0),
     .scrubs(u_store_a.scrub_read || u_store_b.scrub_read),

@@ -28,6 +28,8 @@ module triaxis_mesh_sva
     input logic m_axis_done_tready_i,
     input logic [CountersWidth-1:0] counters,
     input status_e status_o,
+    input logic [Zones-1:1] zones_o,
+    input logic [Zones-1:1] wider,  // than the zone within
     input logic [63:0] group_pairs,
     input logic [63:0] group_pairs_decided,
     input logic [63:0] tested,
@@ -117,6 +119,20 @@ module triaxis_mesh_sva
       m_axis_done_tvalid_o |-> group_pairs_decided <= group_pairs && near <= tested)
   else $error("more was counted than there is");
 
+  NearInAllZones :
+  assert property (@(posedge clk_i) disable iff (!rst_ni) near != 0 |-> zones_o == '1)
+  else $error("a near pair, and a zone with nothing in it");
+
+  SlowWithinWarn :
+  assert property (@(posedge clk_i) disable iff (!rst_ni)
+      m_axis_done_tvalid_o && zones_o[ZoneSlow] && wider[ZoneSlow] |-> zones_o[ZoneWarn])
+  else $error("a pair within a zone, and not within a wider one");
+
+  NeverFreeUnasked :
+  assert property (@(posedge clk_i) disable iff (!rst_ni)
+      m_axis_done_tvalid_o |-> (zones_o | wider) == '1)
+  else $error("nothing in a zone that was not asked about");
+
   AccountComplete :
   assert property (@(posedge clk_i) disable iff (!rst_ni)
       m_axis_done_tvalid_o && status_o == StatusComplete |-> group_pairs_decided == group_pairs)
@@ -153,9 +169,9 @@ endmodule
 
 bind triaxis_mesh triaxis_mesh_sva #(
     .LoadWidth(9 * W + 2),
-    .RunWidth(3 * triaxis_mesh_pkg::move_width(W) + M + 2 + $bits(triaxis_mesh_pkg::trial_t)),
+    .RunWidth(3 * triaxis_mesh_pkg::move_width(W) + triaxis_mesh_pkg::run_user_width(M)),
     .NearWidth(2 * IndexWidth),
-    .CountersWidth(CycleBits + 2 * GroupPairWidth + 3 * PairCountWidth)
+    .CountersWidth(CycleBits + 2 * GroupPairWidth + 3 * PairCountWidth + $bits(zones_o))
 ) u_sva (
     .clk_i,
     .rst_ni,
@@ -173,9 +189,17 @@ bind triaxis_mesh triaxis_mesh_sva #(
     .m_axis_done_tvalid_o,
     .m_axis_done_tready_i,
     .counters({
-      cycles_o, group_pairs_skipped_o, group_pairs_opened_o, pairs_skipped_o, tested_o, near_o
+      cycles_o,
+      group_pairs_skipped_o,
+      group_pairs_opened_o,
+      pairs_skipped_o,
+      tested_o,
+      near_o,
+      zones_o
     }),
     .status_o,
+    .zones_o,
+    .wider(g_walk[0].u_walk.wider),
     .group_pairs(64'(g_walk[0].u_walk.groups_a) * 64'(g_walk[0].u_walk.groups_b)),
     .group_pairs_decided(64'(group_pairs_skipped_o) + 64'(group_pairs_opened_o)),
     .tested(64'(tested_o)),

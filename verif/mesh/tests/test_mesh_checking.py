@@ -7,7 +7,7 @@ import pytest
 
 from triaxis.golden.scene import scene_answer
 from triaxis.sim.mesh_configuration import MeshConfiguration
-from triaxis.sim.mesh_engine import Mode, Status
+from triaxis.sim.mesh_engine import NO_ZONES, Mode, Status
 from triaxis.verif.core.items import ResetSeen
 from triaxis.verif.mesh.checking import SceneChecker
 from triaxis.verif.mesh.items import (
@@ -28,14 +28,16 @@ MOVE, MARGIN = (3, -2, 1), 5
 class Bench:
     """A scene with the answer that is due, and what a checker says of another one."""
 
-    def __init__(self, seed, mode=Mode.ALL):
+    def __init__(self, seed, mode=Mode.ALL, zones=NO_ZONES):
         rng = np.random.default_rng(seed)
         self.a, self.b = (
             rng.integers(-60, 60, (n, 1, 3)) + rng.integers(-30, 31, (n, 3, 3)) for n in (11, 10)
         )
-        self.request = RunRequest(MOVE, MARGIN, int(mode))
-        answer = scene_answer(self.a + np.array(MOVE), self.b, MARGIN, 4)
-        self.core, self.near = answer.to_be_tested, answer.near_pairs
+        self.request = RunRequest(MOVE, MARGIN, int(mode), zones=zones)
+        inner, answer = (
+            scene_answer(self.a + np.array(MOVE), self.b, m, 4) for m in (MARGIN, max(MARGIN, *zones))
+        )
+        self.core, self.near = answer.to_be_tested, inner.near_pairs
         assert len(self.near) > 3 and answer.pairs_skipped
         self.tested = len(self.core)
         if mode == Mode.FIRST:
@@ -44,7 +46,7 @@ class Bench:
         status = Status.FIRST if mode == Mode.FIRST else Status.COMPLETE
         self.summary = Summary(
             status, 200, answer.group_pairs_skipped, answer.group_pairs_opened, answer.pairs_skipped,
-            self.tested, len(self.near), offered_after=200, held=(11, 10), overfull=0,
+            self.tested, len(self.near), 3, offered_after=200, held=(11, 10), overfull=0,
         )  # fmt: skip
         if mode == Mode.COUNT:
             self.near = self.near[:0]
@@ -120,9 +122,53 @@ def test_first_is_the_first_of_the_scan(seed):
     assert bench.said(aborts=[100]) == []
 
 
+ZONES = 12, 20
+
+
+def test_with_zones_a_pair_may_be_asked_again_and_near_pairs_come_in_any_order(seed):
+    bench = Bench(seed, zones=ZONES)
+    again = np.concatenate([bench.core, bench.core[:3]])
+    assert bench.said() == [] and bench.said(core=again) == [] and bench.said(near=bench.near[::-1]) == []
+    # What is asked first comes in the order of the scan all the same, and no near pair is lost or doubled.
+    for core in (bench.core[::-1], bench.core[1:]):
+        assert bench.said(core=core)
+    for near in (bench.near[1:], np.concatenate([bench.near, bench.near[:1]])):
+        assert bench.said(near=near)
+    plain = Bench(seed)
+    assert plain.said(core=np.concatenate([plain.core, plain.core[:3]])) and plain.said(near=plain.near[::-1])
+
+
+@pytest.mark.parametrize(
+    ("gap", "zones", "status", "right"),
+    [
+        (30, ZONES, Status.COMPLETE, {0}),
+        (20, ZONES, Status.COMPLETE, {2}),
+        (12, ZONES, Status.COMPLETE, {3}),
+        (12, NO_ZONES, Status.COMPLETE, {3}),
+        (20, (20, 0), Status.COMPLETE, {3}),
+        (21, (20, 0), Status.COMPLETE, {2}),
+        (21, (0, 20), Status.COMPLETE, {1}),
+        (20, (0, 20), Status.ABORTED, {1, 3}),
+        (20, ZONES, Status.ABORTED, {0, 2}),
+        (12, ZONES, Status.ABORTED, {0, 2, 3}),
+    ],
+)
+def test_zones_are_those_in_which_something_is(gap, zones, status, right):
+    bench = Bench(1, zones=zones)
+    bench.a, bench.b = np.zeros((1, 3, 3), np.int64), np.full((1, 3, 3), gap)
+    bench.request = replace(bench.request, translation=(0, 0, 0))
+    reaches = gap <= max(MARGIN, *zones)
+    bench.core, bench.near = (np.zeros((n, 2), np.int64) for n in (int(reaches), 0))
+    counts = {"group_pairs_skipped": 1 - reaches, "group_pairs_opened": int(reaches), "pairs_skipped": 0}
+    end = replace(bench.summary, status=status, near=0, tested=int(reaches), held=(1, 1), **counts)
+    aborts = [50] if status == Status.ABORTED else []
+    passing = {found for found in range(4) if not bench.said(replace(end, zones=found), aborts=aborts)}
+    assert passing == right
+
+
 def test_what_is_refused_runs_nothing(seed):
     bench = Bench(seed)
-    nothing = Summary(Status.BAD_MODE, 4, 0, 0, 0, 0, 0)
+    nothing = Summary(Status.BAD_MODE, 4, 0, 0, 0, 0, 0, 3)
     bench.request = replace(bench.request, mode=3)
     none = bench.near[:0]
     assert bench.said(nothing, none, none) == []
@@ -138,7 +184,7 @@ def test_matching_follows_meshes_limits_and_resets(seed):
     triangles = np.random.default_rng(seed).integers(-9, 9, (6, 3, 3))
     for mesh, clear, part in ((0, True, triangles[:3]), (0, False, triangles[3:]), (1, True, triangles[:2])):
         matcher.load(Loaded(mesh, clear, part))
-    summary = Summary(5, 4, 0, 0, 0, 0, 0)
+    summary = Summary(5, 4, 0, 0, 0, 0, 0, 0)
     matcher.run(RunAccepted(RunRequest()))
     # At the edge at which the run was accepted, told after it.
     matcher.load(Loaded(1, False, triangles[2:3], with_run=True))

@@ -57,8 +57,8 @@ SAME = ("runs", "complete_runs", "triangles", "checked", "skipped_with_proof", "
 
 @pytest.mark.parametrize("test", [*TESTS, "MeshGapsTest"])
 def test_agents(tmp_path, seed, test):
-    pins, bare = (passed(tmp_path / a, test, seed, 150, a) for a in (PIN, BURST))
-    for result in (pins, bare):
+    pins, burst = (passed(tmp_path / a, test, seed, 150, a) for a in (PIN, BURST))
+    for result in (pins, burst):
         assert result.counts and result.counts["runs"] > 10
         assert (result.counts["resets"] > 2) == (test == "MeshResetsTest")
         hits = load(result.coverage, model_of(SQUARE)).hits
@@ -66,9 +66,9 @@ def test_agents(tmp_path, seed, test):
             assert (hits[item] > 0).all(), item
     # Without what hangs on clocks, both send and find the same.
     if test == "MeshGapsTest":
-        assert pins.counts and bare.counts
-        assert {name: pins.counts[name] for name in SAME} == {name: bare.counts[name] for name in SAME}
-        assert (load(bare.coverage, model_of(SQUARE)).hits["mesh_group_gaps"] > 0).sum() == 12
+        assert pins.counts and burst.counts
+        assert {name: pins.counts[name] for name in SAME} == {name: burst.counts[name] for name in SAME}
+        assert (load(burst.coverage, model_of(SQUARE)).hits["mesh_group_gaps"] > 0).sum() == 12
 
 
 def test_clocks_are_those_that_are_kept(tmp_path, seed, monkeypatch):

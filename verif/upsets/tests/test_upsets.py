@@ -6,11 +6,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from triaxis.host.link.messages import Begun, Flag, Mode, RunRequest, Status
+from triaxis.host.link.messages import NO_ZONES, ZONES, Begun, Flag, Mode, RunRequest, Status
 from triaxis.sim.build import rtl_files
 from triaxis.sim.paths import DUT
 from triaxis.sim.player import Register
 from triaxis.sim.simulated_board import EVENT, PINS, TX
+from triaxis.verif.board.board_state import BEYOND
 from triaxis.verif.board.protocol import HEAD, REPLY, Command, framed
 from triaxis.verif.upsets import builds, campaign
 from triaxis.verif.upsets.builds import MEASURES, module_of, registers, without_measures
@@ -20,17 +21,24 @@ from triaxis.verif.upsets.verdict import EARLY, LATE, Asked, AskedRun, Fate, Kin
 
 SESSION, RUN = 7, 1
 GO, STOP = 1, 2
+BEYOND_SLOW, BEYOND_WARN = 1 << BEYOND, 1 << BEYOND + 1
 GOES, ENDS, OVER, WATCHDOG = 5000, 50_000, 80_000, 20_000
+WHOLE = (GOES, ENDS)
+
+
+def said_of(*go, beyond=()):
+    """Return what is said where go is, and beyond slow, at these times."""
+    return {"go": go, "beyond slow": beyond, "beyond warn": ()}
 
 
 def truth(near):
     """Return what holds where a run, at a pose that is near or not, is asked for, and its results."""
-    run = AskedRun(RunRequest(Mode.ALL, 0, 1, 1, z=3 if near else 0), RUN, near)
+    run = AskedRun(RunRequest(Mode.ALL, 0, *NO_ZONES, 1, 1, z=3 if near else 0), RUN, near)
     heads = [
         (command | REPLY, number, SESSION) for number, command in enumerate((Command.RUN, Command.RESULTS))
     ]
     script = Asked(0, b"", heads[0], Begun(RUN, 0)), Asked(10_000, b"", heads[1], run=run)
-    return Truth(script, () if near else ((GOES, ENDS),), 8, WATCHDOG, OVER)
+    return Truth(script, said_of() if near else said_of(WHOLE), 8, WATCHDOG, OVER)
 
 
 def answer(number, command, payload, pairs=b"", code=0):
@@ -39,7 +47,8 @@ def answer(number, command, payload, pairs=b"", code=0):
 
 
 def results(count, z=0, first=0, **changes):
-    flags = Flag.NEAR_WAITING if count else 0
+    # It asks for no zones, so it is beyond none.
+    flags = ZONES | (Flag.NEAR_WAITING if count else 0)
     status = Status(RUN, 2, 1, flags, Mode.ALL, 0, 0, z, 0, 20, 0, 1, 0, 1, count, 0, 1, 1)
     head = first.to_bytes(4, "little") + bytes([count])
     return answer(1, Command.RESULTS, replace(status, **changes).pack() + head, bytes(4 * count))
@@ -54,7 +63,6 @@ def seen(said, *go):
 
 
 BEGUN = answer(0, Command.RUN, bytes([RUN, 0, 0]))
-WHOLE = (GOES, ENDS)
 
 
 @pytest.mark.parametrize(
@@ -92,15 +100,31 @@ def test_go_or_clear_where_something_is_near_is_dangerous(near, said, go, fate):
 
 def test_the_machine_may_move_where_go_is_said_and_stop_is_not():
     fault = np.array([(GOES, PINS, GO | STOP), (ENDS, PINS, STOP)], EVENT)
-    assert permitted(fault, OVER) == []
-    assert permitted(seen(b"", WHOLE), OVER) == [WHOLE]
+    assert permitted(fault, OVER) == said_of()
+    assert permitted(seen(b"", WHOLE), OVER) == said_of(WHOLE)
+
+
+@pytest.mark.parametrize(
+    ("said", "fate"),
+    [
+        (BEYOND_SLOW, Fate.NO_EFFECT),
+        (0, Fate.FALSE_STOP),
+        (BEYOND_WARN, Fate.DANGEROUS),
+        (BEYOND_SLOW | BEYOND_WARN, Fate.DANGEROUS),
+    ],
+)
+def test_beyond_a_zone_where_something_is_in_it_is_dangerous(said, fate):
+    one = replace(truth(near=False), due=said_of(WHOLE, beyond=(WHOLE,)))
+    events = seen(BEGUN + results(0), WHOLE)
+    events["value"][(events["kind"] == PINS) & (events["value"] == GO)] |= said
+    assert one.judge(events, 2)[0] is fate
 
 
 def test_a_host_that_does_not_believe_an_answer_is_silent():
     """Go that was said may go on until the watchdog; none may begin after that."""
     script = truth(near=False).script
     more = replace(
-        truth(near=False), script=(*script, Asked(40_000, b"")), due=((GOES, ENDS), (60_000, 70_000))
+        truth(near=False), script=(*script, Asked(40_000, b"")), due=said_of(WHOLE, (60_000, 70_000))
     )
     later = 40_000 + WATCHDOG
     for first, last, sent, fate in (

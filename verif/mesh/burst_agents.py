@@ -1,6 +1,6 @@
 """Drivers and monitors that work through the bus-functional model of a library.
 
-They take the places of the pin-level ones by factory override (`use_bare_engine`); sequences, scoreboard and
+They take the places of the pin-level ones by factory override (`use_bursts`); sequences, scoreboard and
 coverage are the same. The model, sim/mesh_player.cpp, runs hundreds of thousands of clocks a second beside a
 simulator that has nothing in it: pin by pin Python has a step for each clock.
 """
@@ -66,7 +66,7 @@ Events = npt.NDArray[np.void]
 Numbers = npt.NDArray[np.int64]
 
 
-class BareBfm(FastModel[MeshPlayer]):
+class MeshBfm(FastModel[MeshPlayer]):
     """The engine's model: it is busy while triangles are loaded, and while a run is offered or under way."""
 
     def __init__(self) -> None:
@@ -110,7 +110,7 @@ class BareBfm(FastModel[MeshPlayer]):
         request, traffic = item.request, item.traffic
         self.player.offer(
             request.translation, request.margin, request.mode, request.trial, traffic.aborts,
-            traffic.idle_abort, traffic.acknowledge,
+            traffic.idle_abort, traffic.acknowledge, request.zones,
         )  # fmt: skip
         self._offered += 1
         self.wake()
@@ -147,8 +147,8 @@ class BareBfm(FastModel[MeshPlayer]):
             loaded = Loaded(number & OF_B, bool(number & CLEAR), triangles, bool(number & WITH_RUN))
             self.publish[LoadMonitor](loaded)
         elif kind == ACCEPTED:
-            x, y, z, margin, mode, trial = values.tolist()
-            request = RunRequest((x, y, z), margin, mode, divmod(trial, WHICHES))
+            x, y, z, margin, slow, warn, mode, trial = values.tolist()
+            request = RunRequest((x, y, z), margin, mode, divmod(trial, WHICHES), (slow, warn))
             before = bool(number & IDLE_ABORT), bool(number & ACKNOWLEDGED)
             self.publish[RunMonitor](RunAccepted(request, *before))
         elif kind == ABORTED:
@@ -191,12 +191,12 @@ def _parted(events: Events) -> npt.NDArray[np.bool_]:
     return ~(alike | (pairs[:-1] & pairs[1:]))
 
 
-class BareLoadDriver(LoadDriver):
+class BurstLoadDriver(LoadDriver):
     """Hands meshes to the model."""
 
     def start_of_simulation_phase(self) -> None:
         """Take hold of the model."""
-        self.bfm: BareBfm = bfm_of(self)
+        self.bfm: MeshBfm = bfm_of(self)
         self.rng = np.random.default_rng([settings_of(self).seed, *b"load"])
 
     async def drive(self, item: LoadItem) -> None:
@@ -204,12 +204,12 @@ class BareLoadDriver(LoadDriver):
         await self.bfm.load(item, self.rng)
 
 
-class BareRunDriver(RunDriver):
+class BurstRunDriver(RunDriver):
     """Hands runs to the model."""
 
     def start_of_simulation_phase(self) -> None:
         """Take hold of the model."""
-        self.bfm: BareBfm = bfm_of(self)
+        self.bfm: MeshBfm = bfm_of(self)
         self.over = 0
 
     async def offer(self, item: RunItem) -> None:
@@ -239,21 +239,21 @@ def _told(pins: Any) -> type:
         async def run_phase(self) -> None:
             """Wait to be told."""
 
-    Told.__name__ = f"Bare{pins.__name__}"
+    Told.__name__ = f"Burst{pins.__name__}"
     return Told
 
 
-BareLoadMonitor, BareRunMonitor = _told(LoadMonitor), _told(RunMonitor)
-BareNearMonitor, BareCoreMonitor = _told(NearMonitor), _told(CoreMonitor)
-BareSummaryMonitor = _told(SummaryMonitor)
+BurstLoadMonitor, BurstRunMonitor = _told(LoadMonitor), _told(RunMonitor)
+BurstNearMonitor, BurstCoreMonitor = _told(NearMonitor), _told(CoreMonitor)
+BurstSummaryMonitor = _told(SummaryMonitor)
 
 
-class BareReadyDriver(ResultReadyDriver):
+class BurstReadyDriver(ResultReadyDriver):
     """Sets the paces at which the model takes results."""
 
     def start_of_simulation_phase(self) -> None:
         """Take hold of the model."""
-        self.bfm: BareBfm = bfm_of(self)
+        self.bfm: MeshBfm = bfm_of(self)
         self.rng = np.random.default_rng([settings_of(self).seed, *b"results"])
 
     def write(self, tt: RunTraffic) -> None:
@@ -264,17 +264,17 @@ class BareReadyDriver(ResultReadyDriver):
         self.bfm.player.set_paces(self.near.runs(self.rng, _RUNS), self.done.runs(self.rng, _RUNS))
 
 
-def use_bare_engine() -> None:
-    """Make the factory give the bare engine's drivers and monitors in place of the pin-level ones."""
+def use_bursts() -> None:
+    """Make the factory give drivers and monitors of bursts in place of the pin-level ones."""
     factory = uvm_factory()
-    for pins, bare in (
-        (LoadDriver, BareLoadDriver),
-        (LoadMonitor, BareLoadMonitor),
-        (RunDriver, BareRunDriver),
-        (RunMonitor, BareRunMonitor),
-        (NearMonitor, BareNearMonitor),
-        (CoreMonitor, BareCoreMonitor),
-        (SummaryMonitor, BareSummaryMonitor),
-        (ResultReadyDriver, BareReadyDriver),
+    for pins, burst in (
+        (LoadDriver, BurstLoadDriver),
+        (LoadMonitor, BurstLoadMonitor),
+        (RunDriver, BurstRunDriver),
+        (RunMonitor, BurstRunMonitor),
+        (NearMonitor, BurstNearMonitor),
+        (CoreMonitor, BurstCoreMonitor),
+        (SummaryMonitor, BurstSummaryMonitor),
+        (ResultReadyDriver, BurstReadyDriver),
     ):
-        factory.set_type_override_by_type(pins, bare)
+        factory.set_type_override_by_type(pins, burst)
