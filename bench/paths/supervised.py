@@ -39,7 +39,7 @@ _SPEED, _HOLD, _LAG = Fraction(90), 200, Fraction(1, 50)
 # The last line of the approach. Steps by which the tool is lowered: 5 mm, more than it is above anything.
 _APPROACHED, _LOWERED = 3, 500
 # Clocks until a RUN that is whole on the line is executed; until the engine has it, and its end is told.
-_EXECUTED, _TOLD = 35, 8
+_EXECUTED, _TOLD = 43, 8
 
 
 class _WatchedLine(SimulatedLine):
