@@ -388,7 +388,7 @@ module triaxis_walk
       .ready_o(unused_again_ready),
       .data_i (verdict_pair_i),
       .valid_o(again_valid),
-      .ready_i(fetch_ready || drain),
+      .ready_i(fetch_ready),
       .data_o (pair_again)
   );
 
