@@ -2,7 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // The board Nexys 4 DDR (XC7A100T-1CSG324C): the mesh engine behind a serial line, and the outputs
-// go, stop, beat, and what is beyond a zone. See triaxis_board_pkg for the line, triaxis_safety and triaxis_beat for the outputs.
+// go, stop, beat, and what is beyond a zone. See triaxis_board_pkg for the line, triaxis_safety and
+// triaxis_beat for the outputs.
 // LEDs, from the right: 0 go, 1 stop, 2 a run is going on, 3 a host is there, 4 near pairs are
 // waiting, 5 the ring of near pairs is full, 6 the watchdog has run out, 7 something went wrong
 // since the last HELLO or RUN, 8..15 errors on the link, low bits.

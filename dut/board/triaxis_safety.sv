@@ -3,7 +3,8 @@
 //
 // Computes: whether the machine may go, and says it on two antivalent outputs. All conditions are
 // here. There are two on the board: go is that of the one, stop that of the other, and what is beyond a zone
-// both must say, so that no single bit of either permits anything. Go is said only from the end of a complete run that found nothing near, and only while
+// both must say, so that no single bit of either permits anything. Go is said only from the end of a complete
+// run that found nothing near, and only while
 // - nothing was changed since that run began: no LOAD, HELLO or ABORT was accepted, and no RUN but one
 //   that holds (below);
 // - nothing went wrong since that run began: no error on the link, no refused command, no fault of the board;

@@ -2,9 +2,9 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Computes: what a run makes of the core's verdicts: counts of tested and of near pairs, and the
-// near pairs themselves as a stream, as the mode asks. A pair that is near in an outer zone is asked again, in the
-// next zone that no pair is known to be in: again_o. So a run asks few pairs more than once: those that
-// were on their way when the first pair was found in a zone. first_o stays high once the first near pair
+// near pairs themselves as a stream, as the mode asks. A pair that is near in an outer zone is asked
+// again, in the next zone that no pair is known to be in: again_o. So a run asks few pairs more than
+// once: those that were on their way when the first pair was found in a zone. first_o stays high once the first near pair
 // has ended a run in mode first. What comes while drain_i is high is dropped; a near pair that is
 // offered stays offered.
 // Widths: a number of pairs has 2 log2(Depth) + 1 bits, for Depth^2 itself.

@@ -113,8 +113,6 @@ module triaxis_walk
   localparam int unsigned LaneCountWidth = $clog2(Lanes) + 1;
   localparam int unsigned GroupCountWidth = $clog2(Groups) + 1;
   localparam int unsigned QueueDepth = 16;
-  // No pair comes in while one waits to be asked again: so not more wait than were on their way.
-  localparam int unsigned AgainDepth = 2 ** $clog2(InFlight);
 
   typedef logic [IndexWidth-1:0] index_t;
   typedef logic [IndexWidth:0] count_t;
@@ -149,7 +147,7 @@ module triaxis_walk
   logic restart, start, drain, first, idle, groups_idle, empty_a, empty;
   logic rows_idle, words_idle, boxes_idle, near_idle;
   logic pick_group_valid, group_pair_valid, masked_valid, pair_valid;
-  logic again_valid;
+  logic again_valid_q;
 
   assign empty_a = count_a_i == '0;
   assign empty   = empty_a || count_b_i == '0;
@@ -191,7 +189,7 @@ module triaxis_walk
 
   // Pairs that are fetched are on their way to a verdict already.
   assign groups_idle = rows_idle && words_idle && !pick_group_valid && !group_pair_valid;
-  assign idle = groups_idle && boxes_idle && !masked_valid && !pair_valid && !again_valid &&
+  assign idle = groups_idle && boxes_idle && !masked_valid && !pair_valid && !again_valid_q &&
       near_idle;
 
   // --- Groups -------------------------------------------------------------------------------------------
@@ -372,31 +370,25 @@ module triaxis_walk
 
   // --- Vertices, verdicts ---------------------------------------------------------------------------------
 
-  logic issue, again, fetch_ready;
+  logic issue, again, fetch_valid, fetch_ready;
   zone_e zone;
-  logic [2*IndexWidth-1:0] pair_found, pair_again;
+  logic [2*IndexWidth-1:0] pair_found, pair_again_q;
 
-  // It always fits.
-  logic unused_again_ready;
-  triaxis_stream_fifo #(
-      .T(logic [2*IndexWidth-1:0]),
-      .Depth(AgainDepth)
-  ) u_again (
-      .clk_i,
-      .rst_ni,
-      .valid_i(again),
-      .ready_o(unused_again_ready),
-      .data_i (verdict_pair_i),
-      .valid_o(again_valid),
-      .ready_i(fetch_ready),
-      .data_o (pair_again)
-  );
+  // What is to be asked again is fetched in the next clock: pairs are asked, and so answered, in zones that
+  // only get narrower, and a verdict waits in the innermost one alone; so while pairs are asked again each
+  // verdict was taken at once, and the core takes a pair a clock.
+  always_ff @(posedge clk_i or negedge rst_ni) begin
+    if (!rst_ni) again_valid_q <= 1'b0;
+    else again_valid_q <= again;
+  end
+  always_ff @(posedge clk_i) pair_again_q <= verdict_pair_i;
 
   assign pair_found[IndexWidth-1:0] = pair_word.index;
   assign pair_found[IndexWidth+:IndexWidth] =
       index_t'(pair_word.word) * index_t'(Lanes) + index_t'(pair_lane);
-  assign {triangle_b_index_o, triangle_a_index_o} = again_valid ? pair_again : pair_found;
-  assign pair_ready = fetch_ready && !again_valid;
+  assign {triangle_b_index_o, triangle_a_index_o} = again_valid_q ? pair_again_q : pair_found;
+  assign pair_ready = fetch_ready && !again_valid_q;
+  assign fetch_valid = pair_valid || again_valid_q;
 
   triaxis_pair_fetch #(
       .W(W),
@@ -406,7 +398,7 @@ module triaxis_walk
       .rst_ni,
       .drain_i(drain),
       .move_i(move),
-      .valid_i(pair_valid || again_valid),
+      .valid_i(fetch_valid),
       .ready_o(fetch_ready),
       .index_a_i(triangle_a_index_o),
       .index_b_i(triangle_b_index_o),

@@ -286,58 +286,29 @@ def _walk() -> SbyProof:
         "each zone in which the run says that nothing is, which is never one that is no wider than the one "
         "within it; or its boxes, or those of its groups or of the "
         "whole of B around them, lie apart on one axis by more than the widest margin. Each pair that is to "
-        "be asked again finds room in its queue. While a mesh is scrubbed no run goes on, and nothing of it "
+        "be asked again is, in the next clock, before any that is new; no more are on their way to a verdict "
+        "than can be counted. While a mesh is scrubbed no run goes on, and nothing of it "
         "is read.",
         _WALK,
         {"W": 4, "M": 4, "Depth": 16, "Group": 4, "Lanes": 2},
         30,
         (
-            "queues of four places in the copy that is proved, as in `engine_queue`, and a core of two; "
-            "that the queue of pairs that are asked again is long enough at the size of the board is "
-            "`engine_again`",
+            "queues of four places in the copy that is proved, as in `engine_queue`, and a core of two; what "
+            "is on its way is counted for a core of any latency by the same formula",
             "what is read of a memory is what was written: `engine_memory`; it is read where a run asks, and "
             "boxes lie around their triangles: `engine_boxes`",
-            "the core gives one verdict a pair, with its own tag, at any time: `streams`, `certified`",
+            "the core gives one verdict a pair, in order and with its own tag, at any time, and takes a pair a "
+            "clock as long as verdicts are taken at once: `streams`, `certified`",
         ),
         beside=("triaxis_mesh_surroundings",),
     )
     few = {
         "mesh/triaxis_walk.sv": (("QueueDepth = 16", "QueueDepth = 4"),),
-        "mesh/triaxis_mesh.sv": (("InFlight = 2 ** $clog2(CoreLatency) + 2", "InFlight = 4"),),
+        "mesh/triaxis_mesh.sv": (
+            ("CoreLatency = Certify ? certified_latency(W, M) : core_latency(W, M);", "CoreLatency = 2;"),
+        ),
     }
     return replace(proof, edits=few)
-
-
-def _again() -> SbyProof:
-    return _assertions(
-        "engine_again",
-        "For all time and under every pattern of stalls, aborts and resets, at the size of the board: each "
-        "pair that is to be asked again finds room in its queue, and is asked before any that is new; no "
-        "more pairs are on their way to a verdict than can be counted.",
-        (
-            *(
-                f"mesh/triaxis_{module}"
-                for module in (
-                    "mesh",
-                    "walk",
-                    "run_control",
-                    "near_pairs",
-                    "pair_fetch",
-                    "pick",
-                    "stream_fifo",
-                )
-            ),
-            "core/triaxis_fifo",
-        ),
-        {"W": _WIDTH, "M": _WIDTH, "Depth": 4096, "Group": 8, "Lanes": 8},
-        20,
-        (
-            "the core holds no more pairs than it has places: `certified`",
-            "pairs come from the scan at any clocks: `engine_walk`",
-        ),
-        beside=("triaxis_again_surroundings",),
-        harness="triaxis_again_formal",
-    )
 
 
 def _checks() -> SbyProof:
@@ -447,7 +418,6 @@ def engine_proofs() -> tuple[SbyProof, ...]:
         _walk(),
         _checks(),
         _twice(),
-        _again(),
         _skip("engine_skip", _WIDTH, whole=False),
         _skip("engine_skip_small", 4, whole=True),
         _assertions(
@@ -550,7 +520,7 @@ def engine_proofs() -> tuple[SbyProof, ...]:
             12,
             (
                 "no more verdicts than pairs that were issued, and no more of these on their way than the "
-                "core's queue and the two steps before it hold: shown by `engine_again`",
+                "core's queue and the two steps before it hold: shown by `engine_walk`",
                 "a verdict is of one of the zones: shown by `engine_walk`",
                 "a run starts when the last one is over, so when all is idle",
                 "which zones are wider is told when it starts: shown by `engine_control`",

@@ -11,8 +11,7 @@
 // a mesh is scrubbed the walk reads nothing.
 //
 // While the run goes on the pair is in one place: not yet reached by the scan of the rows, in a stage,
-// or in a queue, alone or in a group or a word that holds it; in the core, or in the queue of those that
-// are asked again; or it was skipped; or its last verdict was taken.
+// or in a queue, alone or in a group or a word that holds it; in the core, or to be asked again; or it was skipped; or its last verdict was taken.
 
 `include "triaxis_formal.svh"
 
@@ -27,7 +26,6 @@ module triaxis_mesh_formal
     parameter int unsigned Group = 4,
     parameter int unsigned Lanes = 2,
     parameter int unsigned QueueDepth = 4,
-    parameter int unsigned AgainDepth = 4,
     localparam int unsigned IndexWidth = $clog2(Depth)
 ) (
     input logic clk_i,
@@ -228,8 +226,11 @@ module triaxis_mesh_formal
       assert (!followed_q || !sends ||
               (u_mesh.core_pair == {u_mesh.u_store_b.triangle_q, moved} &&
                u_mesh.core_margin[0] == margins[asked_zone_q]));
-      // What is to be asked again is not lost.
-      AgainFits : assert (!`WALK.again || `WALK.u_again.ready_o);
+      // What is to be asked again is not lost, and is asked before any that is new.
+      AgainAtOnce : assert (!`WALK.again_valid_q || (`WALK.fetch_ready && !`WALK.pair_ready));
+      // One more that is issued is still counted.
+      RoomToIssue : assert (!`WALK.issue || 32'(`WALK.u_near.in_flight_q) < u_mesh.InFlight);
+      VerdictsAwaited : assert (!u_mesh.verdict_valid || `WALK.u_near.in_flight_q != '0);
       BrokenIsTold : assert (!breaks || u_mesh.broken);
       // No one else reads, so that a word is where the walk looked for it.
       ScrubsAtRest :
@@ -256,7 +257,7 @@ module triaxis_mesh_formal
   // Entries of the queues that hold the pair; of the oldest, what is left of it.
   logic [RowQueueDepth-1:0] in_rows;
   logic [QueueDepth-1:0] in_groups, in_masked;
-  logic [AgainDepth-1:0] in_again;
+  logic in_again;
   logic ahead_in_row, ahead_in_group;
   assign ahead_in_row = 32'(`WALK.u_words.word_q) <= column_word;
   assign ahead_in_group = 32'(`WALK.u_boxes.triangle_q) < step ||
@@ -307,12 +308,7 @@ module triaxis_mesh_formal
         `WALK.u_masked_pairs.u_words.memory_q[i].mask[lane];
   end
 
-  for (genvar i = 0; i < AgainDepth; i++) begin : g_again
-    logic [$clog2(AgainDepth)-1:0] age;
-    assign age = 2'(i) - `WALK.u_again.u_words.read_q[1:0];
-    assign in_again[i] = 3'(age) < `WALK.u_again.held_q &&
-        `WALK.u_again.u_words.memory_q[i] == {b, a};
-  end
+  assign in_again = `WALK.again_valid_q && `WALK.pair_again_q == {b, a};
 
   logic [9:0] in_stages;
   assign in_stages = {
@@ -333,7 +329,7 @@ module triaxis_mesh_formal
     `WALK.pair_word.index == a && 32'(`WALK.pair_word.word) == word &&
         `WALK.u_pick_pair.mask_q[lane]
   };
-  localparam int unsigned Places = 10 + RowQueueDepth + 2 * QueueDepth + AgainDepth + 5;
+  localparam int unsigned Places = 10 + RowQueueDepth + 2 * QueueDepth + 6;
   logic [Places-1:0] places;
   logic somewhere, twice;
   logic read_here, offered_here, core_here;
@@ -362,7 +358,7 @@ module triaxis_mesh_formal
   end
   logic at_rest, in_run;
   assign at_rest = `WALK.groups_idle && `WALK.rows_idle && `WALK.boxes_idle &&
-      !`WALK.masked_valid && !`WALK.pair_valid && !`WALK.again_valid;
+      !`WALK.masked_valid && !`WALK.pair_valid && !`WALK.again_valid_q;
   assign in_run = state inside {Start, Scan, Drain};
 
   // What the margins are made of: no zone is narrower than the one within it.
@@ -378,14 +374,14 @@ module triaxis_mesh_formal
       // The place of the pair.
       assert (!followed_q || (somewhere && !twice));
       assert (!followed_q ||
-              (read_here || offered_here || core_here || decided_q || in_again != '0) == asked_q);
+              (read_here || offered_here || core_here || decided_q || in_again) == asked_q);
       // The zone that it was asked in.
       if (followed_q && asked_q) begin
         assert (asked_zone_q <= ZoneWarn);
         assert (!read_here || `WALK.u_fetch.read_zone_q == asked_zone_q);
         assert (!offered_here || `WALK.core_zone_o == asked_zone_q);
         assert (!core_here || u_mesh.g_core.u_core.zone_q == asked_zone_q);
-        assert (in_again == '0 || (asked_zone_q != ZoneMargin && zones[asked_zone_q]));
+        assert (!in_again || (asked_zone_q != ZoneMargin && zones[asked_zone_q]));
         assert (!(state inside {Scan, Report}) || (zones | not_less) == '1);
       end
       assert (!(state inside {Check, Start, Scan, Drain, Report}) || (zones | `WALK.wider) == '1);
@@ -408,8 +404,22 @@ module triaxis_mesh_formal
       assert (32'(`WALK.u_near.in_flight_q) == 32'(`WALK.u_fetch.read_valid_q) +
               32'(u_mesh.core_valid) + 32'(u_mesh.g_core.u_core.held_q));
       assert (32'(u_mesh.g_core.u_core.held_q) <= u_mesh.g_core.u_core.Places);
-      // None is new while one is asked again.
-      assert (32'(`WALK.u_near.in_flight_q) + 32'(`WALK.u_again.held_q) <= u_mesh.InFlight);
+
+      // Zones only get narrower from the scan to the verdict, and a verdict waits in the innermost alone.
+      assert (!`WALK.u_fetch.read_valid_q || `WALK.zone <= `WALK.u_fetch.read_zone_q);
+      assert (!`WALK.core_valid_o || (`WALK.zone <= `WALK.core_zone_o &&
+              (!`WALK.u_fetch.read_valid_q || `WALK.u_fetch.read_zone_q <= `WALK.core_zone_o)));
+      if (u_mesh.g_core.u_core.held_q != '0) begin
+        assert (`WALK.zone <= u_mesh.g_core.u_core.latest_q);
+        assert (!`WALK.u_fetch.read_valid_q ||
+                `WALK.u_fetch.read_zone_q <= u_mesh.g_core.u_core.latest_q);
+        assert (!`WALK.core_valid_o || `WALK.core_zone_o <= u_mesh.g_core.u_core.latest_q);
+      end else begin
+        assert (u_mesh.g_core.u_core.eager_q && u_mesh.g_core.u_core.told_q == '1);
+      end
+      assert (u_mesh.g_core.u_core.eager_q || u_mesh.g_core.u_core.told_q == ZoneMargin);
+      assert (u_mesh.g_core.u_core.awake_q || !`WALK.again_valid_q);
+      assert (u_mesh.g_core.u_core.eager_q || !`WALK.again_valid_q);
 
       assert (32'(u_mesh.count_a_o) <= Depth && 32'(u_mesh.count_b_o) <= Depth);
 
@@ -420,10 +430,6 @@ module triaxis_mesh_formal
               `WALK.u_group_pairs.u_words.read_q && `WALK.u_group_pairs.held_q <= 3'd4);
       assert (`WALK.u_masked_pairs.held_q == `WALK.u_masked_pairs.u_words.write_q -
               `WALK.u_masked_pairs.u_words.read_q && `WALK.u_masked_pairs.held_q <= 3'd4);
-      assert (`WALK.u_again.held_q == `WALK.u_again.u_words.write_q -
-              `WALK.u_again.u_words.read_q && `WALK.u_again.held_q <= 3'd4);
-      assert (state == Fresh || `WALK.u_again.ready_q == (`WALK.u_again.held_q != 3'd4));
-      assert (state != Fresh || `WALK.u_again.held_q == '0);
       assert (!`WALK.u_rows.u_waiting.ready_q || `WALK.u_rows.u_waiting.held_q != 3'd4);
       assert (!`WALK.u_group_pairs.ready_q || `WALK.u_group_pairs.held_q != 3'd4);
       assert (!`WALK.u_masked_pairs.ready_q || `WALK.u_masked_pairs.held_q != 3'd4);

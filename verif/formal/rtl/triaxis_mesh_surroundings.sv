@@ -102,9 +102,11 @@ module triaxis_mesh_store;
 endmodule
 
 // The core: takes pairs, and gives as many verdicts, at any clocks, of as many pairs at a time as its
-// queue has places, few here: shown by `streams`. Verdicts are anything. One pair, whichever it is, is followed:
-// a verdict of it, with the zone that it was asked in, comes where it is inside; in any order, which allows more
-// than the real one does. Were it twice inside, verdicts would be of any pair.
+// queue has places, few here; a pair a clock as long as each verdict was taken at once since it was empty:
+// shown by `streams` and `certified`. Verdicts are anything. One pair, whichever it is, is followed: a verdict
+// of it, with the zone that it was asked in, comes where it is inside; in any order, which allows more than the
+// real one does, but that zones only get narrower, as those of the pairs do (`InOrder`). Were it twice inside,
+// verdicts would be of any pair.
 // verilog_lint: waive module-filename
 module triaxis_core;
 
@@ -116,9 +118,13 @@ module triaxis_core;
   logic [TAG-1:0] free_user;
   logic [TAG-3:0] followed_q;
   logic [1:0] zone_q;
-  logic comes, turn, here_q, twice_q;
+  logic comes, turn, here_q, twice_q, awake_q, eager_q;
+  // Of the pair that came last, and of the verdict that was last on offer since it was empty.
+  logic [1:0] zone, told, latest_q, told_q;
 
-  assign s_axis_tready_o = free_ready && held_q != count_t'(Places);
+  assign zone = s_axis_tuser_i[M+TAG-2+:2];
+  assign told = m_axis_tuser_o[TAG-1-:2];
+  assign s_axis_tready_o = awake_q && (free_ready || eager_q) && held_q != count_t'(Places);
   assign m_axis_tvalid_o = free_valid && held_q != '0;
   assign m_axis_tdata_o = free_verdict;
   assign m_axis_tuser_o = turn ? {zone_q, followed_q} : free_user;
@@ -129,9 +135,15 @@ module triaxis_core;
   always_ff @(posedge clk_i or negedge rst_ni) begin
     if (!rst_ni) begin
       held_q <= '0;
-      {here_q, twice_q} <= '0;
+      {here_q, twice_q, awake_q} <= '0;
+      eager_q <= 1'b1;
+      told_q <= '1;
     end else begin
-      held_q <= held_d;
+      held_q  <= held_d;
+      awake_q <= 1'b1;
+      eager_q <= held_d == '0 || (eager_q && !(m_axis_tvalid_o && !m_axis_tready_i));
+      if (held_d == '0) told_q <= '1;
+      else if (m_axis_tvalid_o) told_q <= told;
       here_q <= held_d != '0 &&
           (comes || (here_q && !(turn && m_axis_tvalid_o && m_axis_tready_i)));
       twice_q <= held_d != '0 && (twice_q || (comes && here_q));
@@ -139,10 +151,14 @@ module triaxis_core;
   end
   always_ff @(posedge clk_i) begin
     followed_q <= followed_q;
-    if (comes) zone_q <= s_axis_tuser_i[M+TAG-2+:2];
+    if (comes) zone_q <= zone;
+    if (s_axis_tvalid_i && s_axis_tready_o) latest_q <= zone;
   end
   always_comb begin
     OfWhatIsInside : assume (turn || twice_q || free_user[TAG-3:0] != followed_q);
+    OnItsWay : assume (!eager_q || held_q != count_t'(Places));
+    NoWiderThanBefore : assume (!m_axis_tvalid_o || told <= told_q);
+    InOrder : assert (!rst_ni || !s_axis_tvalid_i || held_q == '0 || zone <= latest_q);
   end
 
 endmodule

@@ -36,14 +36,15 @@ module triaxis_stream_rules #(
   assign deliver = m_valid_i && m_ready_i;
 
   // Words accepted since the last reset and not delivered, counted from the outside.
-  count_t count_q;
+  count_t count_q, count_d;
+  assign count_d = count_q + count_t'(accept) - count_t'(deliver);
   // The word that is followed: results to come before its own, clocks since it was accepted (held
   // at Latency), and its result.
   logic following_q;
   count_t ahead_q;
   age_t age_q;
   result_t due_q;
-  // The clock before, and whether every result was taken at once since the last reset.
+  // The clock before, and whether every result was taken at once since nothing was in flight.
   logic awake_q, waited_q, eager_q;
   result_t result_q;
   // Whether a reset ever fell on words in flight.
@@ -60,10 +61,10 @@ module triaxis_stream_rules #(
       waited_q <= 1'b0;
       eager_q <= 1'b1;
     end else begin
-      count_q  <= count_q + count_t'(accept) - count_t'(deliver);
+      count_q  <= count_d;
       awake_q  <= 1'b1;
       waited_q <= m_valid_i && !m_ready_i;
-      eager_q  <= eager_q && m_ready_i;
+      eager_q  <= count_d == '0 || (eager_q && !(m_valid_i && !m_ready_i));
       if (following_q) begin
         ahead_q <= ahead_q - count_t'(deliver);
         if (age_q != age_t'(Latency)) age_q <= age_q + age_t'(1);

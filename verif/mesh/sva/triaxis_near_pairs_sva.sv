@@ -3,8 +3,7 @@
 //
 // The count of pairs on their way through the core, bound from outside the RTL: a run may end only
 // once it is back at zero, so it must neither run over nor fall below. Pairs that are asked again: in a
-// narrower zone, before any that is new, and so that none finds its queue full. A zone that was not asked about
-// is never free.
+// narrower zone, in the next clock, before any that is new. A zone that was not asked about is never free.
 
 module triaxis_near_pairs_sva
   import triaxis_mesh_pkg::*;
@@ -66,18 +65,17 @@ endmodule
 module triaxis_again_sva (
     input logic clk_i,
     input logic rst_ni,
-    input logic again,
-    input logic ready,
-    input logic again_valid,
+    input logic again_valid_q,
+    input logic fetch_ready,
     input logic pair_ready
 );
 
-  AgainFits :
-  assert property (@(posedge clk_i) disable iff (!rst_ni) again |-> ready)
-  else $error("a pair that is to be asked again finds no room");
+  AgainAtOnce :
+  assert property (@(posedge clk_i) disable iff (!rst_ni) again_valid_q |-> fetch_ready)
+  else $error("a pair that is to be asked again is lost");
 
   AgainFirst :
-  assert property (@(posedge clk_i) disable iff (!rst_ni) again_valid |-> !pair_ready)
+  assert property (@(posedge clk_i) disable iff (!rst_ni) again_valid_q |-> !pair_ready)
   else $error("a new pair is asked before one that waits to be asked again");
 
 endmodule
@@ -102,8 +100,7 @@ bind triaxis_near_pairs triaxis_near_pairs_sva #(
 bind triaxis_walk triaxis_again_sva u_again_sva (
     .clk_i,
     .rst_ni,
-    .again,
-    .ready(u_again.ready_o),
-    .again_valid,
+    .again_valid_q,
+    .fetch_ready,
     .pair_ready
 );
