@@ -3,12 +3,12 @@
 //
 // Computes: what a run makes of the core's verdicts: counts of tested and of near pairs, and the
 // near pairs themselves as a stream, as the mode asks. A pair that is near in an outer zone is asked
-// again, in the next zone that no pair is known to be in: again_o. So a run asks few pairs more than
+// again, in the next zone that no pair is known to be in: again_valid_o, again_pair_o. So a run asks few pairs more than
 // once: those that were on their way when the first pair was found in a zone. first_o stays high once the first near pair
 // has ended a run in mode first. What comes while drain_i is high is dropped; a near pair that is
 // offered stays offered.
 // Widths: a number of pairs has 2 log2(Depth) + 1 bits, for Depth^2 itself.
-// Latency: 1 from a verdict to its near pair.
+// Latency: 1 from a verdict to its near pair, or to its pair that is to be asked again.
 
 module triaxis_near_pairs
   import triaxis_mesh_pkg::*;
@@ -37,7 +37,8 @@ module triaxis_near_pairs
     input logic [Zones-1:1] wider_i,
     output zone_e zone_o,
     output logic [Zones-1:1] zones_o,
-    output logic again_o,
+    output logic again_valid_o,
+    output logic [2*IndexWidth-1:0] again_pair_o,
 
     output logic m_axis_near_tvalid_o,
     input logic m_axis_near_tready_i,
@@ -50,7 +51,7 @@ module triaxis_near_pairs
   typedef logic [PairCountWidth-1:0] pair_count_t;
   typedef logic [$clog2(InFlight+1)-1:0] in_flight_t;
 
-  logic drop, take, innermost, near_found, counted, near_taken, offer;
+  logic drop, take, innermost, near_found, again, counted, near_taken, offer;
   in_flight_t in_flight_q;
 
   assign drop = drain_i || first_o;
@@ -59,8 +60,8 @@ module triaxis_near_pairs
   assign verdict_ready_o = drop || !innermost || !m_axis_near_tvalid_o || m_axis_near_tready_i;
   assign take = verdict_valid_i && verdict_ready_o;
   assign near_found = take && !drop && verdict_near_i;
-  assign again_o = near_found && !innermost;
-  assign counted = take && !drop && !again_o;
+  assign again = near_found && !innermost;
+  assign counted = take && !drop && !again;
   assign near_taken = counted && verdict_near_i;
   assign offer = near_taken && mode_i != ModeCount;
 
@@ -83,8 +84,10 @@ module triaxis_near_pairs
   always_ff @(posedge clk_i or negedge rst_ni) begin
     if (!rst_ni) begin
       m_axis_near_tvalid_o <= 1'b0;
+      again_valid_o <= 1'b0;
       in_flight_q <= '0;
     end else begin
+      again_valid_o <= again;
       if (offer) m_axis_near_tvalid_o <= 1'b1;
       else if (m_axis_near_tready_i) m_axis_near_tvalid_o <= 1'b0;
       in_flight_q <= in_flight_q + in_flight_t'(issue_i) - in_flight_t'(take);
@@ -102,6 +105,7 @@ module triaxis_near_pairs
   assign zone_o = !zones_o[ZoneWarn] ? ZoneWarn : !zones_o[ZoneSlow] ? ZoneSlow : ZoneMargin;
 
   always_ff @(posedge clk_i) begin
+    again_pair_o <= verdict_pair_i;
     if (offer) m_axis_near_tdata_o <= verdict_pair_i;
   end
 

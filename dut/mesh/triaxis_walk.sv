@@ -147,7 +147,7 @@ module triaxis_walk
   logic restart, start, drain, first, idle, groups_idle, empty_a, empty;
   logic rows_idle, words_idle, boxes_idle, near_idle;
   logic pick_group_valid, group_pair_valid, masked_valid, pair_valid;
-  logic again_valid_q;
+  logic again_valid;
 
   assign empty_a = count_a_i == '0;
   assign empty   = empty_a || count_b_i == '0;
@@ -189,7 +189,7 @@ module triaxis_walk
 
   // Pairs that are fetched are on their way to a verdict already.
   assign groups_idle = rows_idle && words_idle && !pick_group_valid && !group_pair_valid;
-  assign idle = groups_idle && boxes_idle && !masked_valid && !pair_valid && !again_valid_q &&
+  assign idle = groups_idle && boxes_idle && !masked_valid && !pair_valid && !again_valid &&
       near_idle;
 
   // --- Groups -------------------------------------------------------------------------------------------
@@ -370,25 +370,19 @@ module triaxis_walk
 
   // --- Vertices, verdicts ---------------------------------------------------------------------------------
 
-  logic issue, again, fetch_valid, fetch_ready;
+  logic issue, fetch_valid, fetch_ready;
   zone_e zone;
-  logic [2*IndexWidth-1:0] pair_found, pair_again_q;
-
-  // What is to be asked again is fetched in the next clock: pairs are asked, and so answered, in zones that
-  // only get narrower, and a verdict waits in the innermost one alone; so while pairs are asked again each
-  // verdict was taken at once, and the core takes a pair a clock.
-  always_ff @(posedge clk_i or negedge rst_ni) begin
-    if (!rst_ni) again_valid_q <= 1'b0;
-    else again_valid_q <= again;
-  end
-  always_ff @(posedge clk_i) pair_again_q <= verdict_pair_i;
+  logic [2*IndexWidth-1:0] pair_found, pair_again;
 
   assign pair_found[IndexWidth-1:0] = pair_word.index;
   assign pair_found[IndexWidth+:IndexWidth] =
       index_t'(pair_word.word) * index_t'(Lanes) + index_t'(pair_lane);
-  assign {triangle_b_index_o, triangle_a_index_o} = again_valid_q ? pair_again_q : pair_found;
-  assign pair_ready = fetch_ready && !again_valid_q;
-  assign fetch_valid = pair_valid || again_valid_q;
+  // What is to be asked again never waits: pairs are asked, and so answered, in zones that only get narrower,
+  // and a verdict waits in the innermost one alone; so while pairs are asked again each verdict was taken at
+  // once, and the core takes a pair a clock.
+  assign {triangle_b_index_o, triangle_a_index_o} = again_valid ? pair_again : pair_found;
+  assign pair_ready = fetch_ready && !again_valid;
+  assign fetch_valid = pair_valid || again_valid;
 
   triaxis_pair_fetch #(
       .W(W),
@@ -428,8 +422,8 @@ module triaxis_walk
       .rst_ni,
       .start_i(restart),
       .drain_i(drain),
-      .idle_o (near_idle),
-      .mode_i (mode),
+      .idle_o(near_idle),
+      .mode_i(mode),
       .first_o(first),
       .issue_i(issue),
       .verdict_valid_i,
@@ -438,9 +432,10 @@ module triaxis_walk
       .verdict_zone_i,
       .verdict_pair_i,
       .wider_i(wider),
-      .zone_o (zone),
+      .zone_o(zone),
       .zones_o,
-      .again_o(again),
+      .again_valid_o(again_valid),
+      .again_pair_o(pair_again),
       .m_axis_near_tvalid_o,
       .m_axis_near_tready_i,
       .m_axis_near_tdata_o,

@@ -227,7 +227,7 @@ module triaxis_mesh_formal
               (u_mesh.core_pair == {u_mesh.u_store_b.triangle_q, moved} &&
                u_mesh.core_margin[0] == margins[asked_zone_q]));
       // What is to be asked again is not lost, and is asked before any that is new.
-      AgainAtOnce : assert (!`WALK.again_valid_q || (`WALK.fetch_ready && !`WALK.pair_ready));
+      AgainAtOnce : assert (!`WALK.again_valid || (`WALK.fetch_ready && !`WALK.pair_ready));
       // One more that is issued is still counted.
       RoomToIssue : assert (!`WALK.issue || 32'(`WALK.u_near.in_flight_q) < u_mesh.InFlight);
       VerdictsAwaited : assert (!u_mesh.verdict_valid || `WALK.u_near.in_flight_q != '0);
@@ -308,7 +308,7 @@ module triaxis_mesh_formal
         `WALK.u_masked_pairs.u_words.memory_q[i].mask[lane];
   end
 
-  assign in_again = `WALK.again_valid_q && `WALK.pair_again_q == {b, a};
+  assign in_again = `WALK.again_valid && `WALK.pair_again == {b, a};
 
   logic [9:0] in_stages;
   assign in_stages = {
@@ -358,7 +358,7 @@ module triaxis_mesh_formal
   end
   logic at_rest, in_run;
   assign at_rest = `WALK.groups_idle && `WALK.rows_idle && `WALK.boxes_idle &&
-      !`WALK.masked_valid && !`WALK.pair_valid && !`WALK.again_valid_q;
+      !`WALK.masked_valid && !`WALK.pair_valid && !`WALK.again_valid;
   assign in_run = state inside {Start, Scan, Drain};
 
   // What the margins are made of: no zone is narrower than the one within it.
@@ -418,8 +418,8 @@ module triaxis_mesh_formal
         assert (u_mesh.g_core.u_core.eager_q && u_mesh.g_core.u_core.told_q == '1);
       end
       assert (u_mesh.g_core.u_core.eager_q || u_mesh.g_core.u_core.told_q == ZoneMargin);
-      assert (u_mesh.g_core.u_core.awake_q || !`WALK.again_valid_q);
-      assert (u_mesh.g_core.u_core.eager_q || !`WALK.again_valid_q);
+      assert (u_mesh.g_core.u_core.awake_q || !`WALK.again_valid);
+      assert (u_mesh.g_core.u_core.eager_q || !`WALK.again_valid);
 
       assert (32'(u_mesh.count_a_o) <= Depth && 32'(u_mesh.count_b_o) <= Depth);
 

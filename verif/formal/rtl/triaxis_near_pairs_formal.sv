@@ -33,10 +33,10 @@ module triaxis_near_pairs_formal
   typedef logic [2*IndexWidth-1:0] pair_t;
   typedef logic [$clog2(InFlight+1)-1:0] in_flight_t;
 
-  logic idle_o, first_o, verdict_ready_o, again_o, m_axis_near_tvalid_o;
+  logic idle_o, first_o, verdict_ready_o, again_valid_o, m_axis_near_tvalid_o;
   zone_e zone_o;
   logic [Zones-1:1] zones_o;
-  pair_t m_axis_near_tdata_o;
+  pair_t m_axis_near_tdata_o, again_pair_o;
   count_t tested_o, near_o;
 
   mode_e mode_q;
@@ -65,7 +65,7 @@ module triaxis_near_pairs_formal
   zone_e again_zone_q;
   logic [Zones-1:1] zones_q, wider_q;
   in_flight_t way_q;
-  pair_t due_q;
+  pair_t due_q, again_pair_q;
   count_t tested_q, near_q;
   always_ff @(posedge clk_i) begin
     // What was asked for changes between runs, when nothing is under way.
@@ -73,6 +73,7 @@ module triaxis_near_pairs_formal
     if (start_i) wider_q <= wider_i;
     if (offer) due_q <= verdict_pair_i;
     again_zone_q <= verdict_zone_i;
+    again_pair_q <= verdict_pair_i;
   end
   always_ff @(posedge clk_i or negedge rst_ni) begin
     if (!rst_ni) begin
@@ -88,7 +89,7 @@ module triaxis_near_pairs_formal
       first_q <= !start_i && (first_q || (offer && mode_q == ModeFirst));
       tested_q <= start_i ? '0 : tested_q + count_t'(counts && last);
       near_q <= start_i ? '0 : near_q + count_t'(near);
-      again_q <= again_o;
+      again_q <= counts && !last;
       ran_q <= ran_q || start_i;
       // Near in a zone, or in one within it; or the zone is no wider than that.
       for (int z = 1; z < int'(Zones); z++)
@@ -119,7 +120,7 @@ module triaxis_near_pairs_formal
       NoMoreThanFirst : assert (mode_q != ModeFirst || !offer || near_q == '0 || !first_q);
       Counted : assert (tested_o == tested_q && near_o == near_q);
       // Each verdict is the last one of its pair, or the pair is asked again, in a narrower zone.
-      Again : assert (again_o == (counts && !last));
+      Again : assert (again_valid_o == again_q && (!again_q || again_pair_o == again_pair_q));
       AgainNarrower : assert (!again_q || start_q || zone_o < again_zone_q);
       // Asked in the widest zone in which nothing was found.
       WidestOpen : assert (asks_right);
@@ -131,7 +132,7 @@ module triaxis_near_pairs_formal
       Idle : assert (idle_o == (way_q == '0 && !offered_q));
       OnItsWay : assert (u_near.in_flight_q == way_q && way_q <= in_flight_t'(InFlight));
       SeenWaiting : cover (waited_q && taken && offer);
-      SeenAgain : cover (again_q && again_o && zone_o == ZoneMargin && zones_o == '1);
+      SeenAgain : cover (again_q && counts && !last && zone_o == ZoneMargin && zones_o == '1);
       SeenWarnAlone : cover (ran_q && !wider_q[ZoneSlow] && zone_o == ZoneMargin && tested_o != '0);
       SeenFirst : cover (first_o && take && verdict_near_i);
       SeenDrained : cover (drain_i && take && verdict_near_i && offered_q);

@@ -19,7 +19,7 @@ module triaxis_near_pairs_sva
     input logic [$clog2(InFlight+1)-1:0] in_flight_q,
     input zone_e verdict_zone_i,
     input logic [Zones-1:1] wider_i,
-    input logic again_o,
+    input logic again,
     input zone_e zone_o,
     input logic [Zones-1:1] zones_o
 );
@@ -50,13 +50,11 @@ module triaxis_near_pairs_sva
   else $error("a run does not begin with exactly the zones that are no wider");
 
   NothingAgainWhileDraining :
-  assert property (@(posedge clk_i) disable iff (!rst_ni) drain_i |-> !again_o)
+  assert property (@(posedge clk_i) disable iff (!rst_ni) drain_i |-> !again)
   else $error("a pair is to be asked again although the run is over");
 
   AgainNarrower :
-  assert property (@(posedge clk_i) disable iff (!rst_ni) again_o |=> zone_o < $past(
-      verdict_zone_i
-  ))
+  assert property (@(posedge clk_i) disable iff (!rst_ni) again |=> zone_o < $past(verdict_zone_i))
   else $error("a pair is to be asked again in no narrower zone");
 
 endmodule
@@ -65,17 +63,17 @@ endmodule
 module triaxis_again_sva (
     input logic clk_i,
     input logic rst_ni,
-    input logic again_valid_q,
+    input logic again_valid,
     input logic fetch_ready,
     input logic pair_ready
 );
 
   AgainAtOnce :
-  assert property (@(posedge clk_i) disable iff (!rst_ni) again_valid_q |-> fetch_ready)
+  assert property (@(posedge clk_i) disable iff (!rst_ni) again_valid |-> fetch_ready)
   else $error("a pair that is to be asked again is lost");
 
   AgainFirst :
-  assert property (@(posedge clk_i) disable iff (!rst_ni) again_valid_q |-> !pair_ready)
+  assert property (@(posedge clk_i) disable iff (!rst_ni) again_valid |-> !pair_ready)
   else $error("a new pair is asked before one that waits to be asked again");
 
 endmodule
@@ -92,7 +90,7 @@ bind triaxis_near_pairs triaxis_near_pairs_sva #(
     .in_flight_q,
     .verdict_zone_i,
     .wider_i,
-    .again_o,
+    .again,
     .zone_o,
     .zones_o
 );
@@ -100,7 +98,7 @@ bind triaxis_near_pairs triaxis_near_pairs_sva #(
 bind triaxis_walk triaxis_again_sva u_again_sva (
     .clk_i,
     .rst_ni,
-    .again_valid_q,
+    .again_valid,
     .fetch_ready,
     .pair_ready
 );
