@@ -9,8 +9,6 @@ from triaxis.golden.pairs import check_width
 # What is simulated; the RTL takes larger groups, more lanes and wider counters.
 MOST_DEPTH, MOST_GROUP, MOST_LANES = 65536, 64, 32
 LEAST_CYCLE_BITS, MOST_CYCLE_BITS = 2, 64
-# What a run tries, above its mode: trial_t of triaxis_mesh_pkg.
-TRIAL_BITS = 8
 
 
 def _is_power_of_two(number: int) -> bool:
