@@ -53,6 +53,7 @@ module triaxis_near_pairs
 
   logic drop, take, innermost, near_found, again, counted, near_taken, offer;
   in_flight_t in_flight_q;
+  zone_e within_warn;
 
   assign drop = drain_i || first_o;
   // A verdict waits only where its pair has to be offered and another one is still on offer.
@@ -102,7 +103,8 @@ module triaxis_near_pairs
       if (verdict_zone_i != ZoneWarn) zones_o[ZoneSlow] <= 1'b1;
     end
   end
-  assign zone_o = !zones_o[ZoneWarn] ? ZoneWarn : !zones_o[ZoneSlow] ? ZoneSlow : ZoneMargin;
+  assign within_warn = zones_o[ZoneSlow] ? ZoneMargin : ZoneSlow;
+  assign zone_o = zones_o[ZoneWarn] ? within_warn : ZoneWarn;
 
   always_ff @(posedge clk_i) begin
     again_pair_o <= verdict_pair_i;

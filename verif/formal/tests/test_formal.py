@@ -300,7 +300,7 @@ BROKEN = (
     ("a pair that is near in the widest zone is asked no more", "engine_near", "mesh/triaxis_near_pairs.sv",
      "near_found && !innermost;", "near_found && verdict_zone_i == ZoneSlow;", "check"),
     ("a pair is asked again in the same zone", "engine_near", "mesh/triaxis_near_pairs.sv",
-     ": !zones_o[ZoneSlow] ?", ": near_o == '0 ?", "check"),
+     "within_warn = zones_o[ZoneSlow] ?", "within_warn = near_o != '0 ?", "check"),
     ("a zone with a near pair in it is empty", "engine_near", "mesh/triaxis_near_pairs.sv",
      "(verdict_zone_i != ZoneWarn)", "(verdict_zone_i == ZoneSlow)", "check"),
     ("zones of the run before", "engine_near", "mesh/triaxis_near_pairs.sv",
