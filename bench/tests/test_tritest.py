@@ -90,7 +90,8 @@ def test_each_number_of_a_proof_counts():
     halved = [*numbers[:18], 2, 2, *numbers[20:]]
     assert "lowest terms" in (fault_of(case_of(" ".join(map(str, halved)))) or "")
     good = " ".join(map(str, numbers))
-    for line in ("1 2 3", "x " * NUMBERS, "+" + good, good.replace(" ", "  "), good.replace("4", "1_0")):
+    broken = "1 2 3", "x " * NUMBERS, "+" + good, good.replace(" ", "  "), good.replace("4", "1_0")
+    for line in (*broken, good + "0" * 4300):
         with pytest.raises(SetError):
             case_of(line)
 

@@ -32,7 +32,9 @@ from pathlib import Path
 FORMAT = 1
 NUMBERS = 29
 LARGEST = 1 << 53
-_LINE = re.compile(rf"-?[0-9]+( -?[0-9]+){{{NUMBERS - 1}}}\n?")
+# Proofs are of determinants of a few coordinates: far shorter.
+_DIGITS = 999
+_LINE = re.compile(rf"-?[0-9]{{1,{_DIGITS}}}( -?[0-9]{{1,{_DIGITS}}}){{{NUMBERS - 1}}}\n?")
 _NAME, _HASH = re.compile(r"[a-z0-9]+(-[a-z0-9]+)*"), re.compile(r"[0-9a-f]{64}")
 
 
@@ -60,7 +62,8 @@ class Case:
 def case_of(line: str) -> Case:
     """Read a line; raise SetError where it is none of a set."""
     if not _LINE.fullmatch(line):
-        raise SetError(f"{line[:60].strip()}: {NUMBERS} whole numbers, a blank between two, expected")
+        expected = f"{NUMBERS} whole numbers of at most {_DIGITS} digits, a blank between two, expected"
+        raise SetError(f"{line[:60].strip()}: {expected}")
     n = tuple(map(int, line.split()))
     vertices = tuple(n[k : k + 3] for k in range(0, 18, 3))
     return Case(vertices[:3], vertices[3:], (n[18], n[19]), n[20:23], n[23:26], n[26:])
@@ -159,7 +162,10 @@ def recheck(folder: Path) -> int:
     proven = wrong = 0
     for family in families_of(folder):
         for number, line in lines_of(folder, family):
-            fault = fault_of(case_of(line))
+            try:
+                fault = fault_of(case_of(line))
+            except SetError as error:
+                raise SetError(f"{folder / family.file}: pair {number}: {error}") from error
             proven, wrong = proven + (fault is None), wrong + (fault is not None)
             if fault is not None:
                 print(f"{family.name}:{number}: {fault}")
