@@ -6,10 +6,10 @@ tested and near pairs agree; only the mesh engine, simulated or on the board, sk
 cycles.
 """
 
+from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field, fields
 from itertools import product
-from typing import Protocol
 
 import numpy as np
 import numpy.typing as npt
@@ -79,14 +79,6 @@ class SceneRun(Counts):
     near: FacetPairs = field(default_factory=lambda: np.empty((0, 2), np.int64))
 
 
-class SceneEngine(Protocol):
-    """Two loaded meshes, asked again and again at other translations of A and margins."""
-
-    def run(self, translation: Translation, margin: int, stop_at_first: bool = False) -> SceneRun:
-        """Decide all pairs, or go on to the first near one only."""
-        ...
-
-
 NO_PAIRS: FacetPairs = np.empty((0, 2), np.int64)
 
 
@@ -99,11 +91,27 @@ class Question:
     likely: FacetPairs
 
 
-class DecidingEngine:
+class SceneEngine(ABC):
+    """Two loaded meshes, asked again and again at other translations of A and margins.
+
+    ``at_once``: how many poses are worth asking about in one pass, where some may turn out to be of no use.
+    """
+
+    at_once = 1
+
+    @abstractmethod
+    def run(self, translation: Translation, margin: int, stop_at_first: bool = False) -> SceneRun:
+        """Decide all pairs, or go on to the first near one only."""
+
+    def first_near(self, asked: Sequence[Question]) -> list[SceneRun]:
+        """Go on to a first near pair for each question."""
+        return [self.run(one.translation, one.margin, stop_at_first=True) for one in asked]
+
+
+class DecidingEngine(SceneEngine):
     """The broad phase in NumPy, and a function that decides what is left.
 
-    ``certifies``: that function has a certificate of each clear. ``at_once``: how many poses are worth asking
-    about in one pass, where some of them may turn out to be of no use.
+    ``certifies``: that function has a certificate of each clear.
     """
 
     def __init__(
@@ -221,7 +229,7 @@ def scene_engine(name: str, a: Integers, b: Integers, width: int) -> SceneEngine
     return MeshEngineScene(a, b, MeshConfiguration(width=width, margin_bits=width, certified=True))
 
 
-class MeshEngineScene:
+class MeshEngineScene(SceneEngine):
     """The simulated mesh engine. Meshes beyond its depth are split, and run part against part."""
 
     def __init__(self, a: Integers, b: Integers, configuration: MeshConfiguration) -> None:

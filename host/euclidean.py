@@ -105,7 +105,7 @@ def euclidean_distance(a: StlMesh, i: int, b: StlMesh, j: int, move: Vector) -> 
     return math.sqrt(squared_distance(moved, other))
 
 
-class EuclideanEngine:
+class EuclideanEngine(SceneEngine):
     """An engine whose near pairs are looked at again: those that are clear by Euclid are no longer near."""
 
     def __init__(self, engine: SceneEngine, a: Integers, b: Integers, clearance: Fraction) -> None:

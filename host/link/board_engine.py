@@ -3,7 +3,7 @@
 import numpy as np
 
 from triaxis.golden.pairs import coordinate_range
-from triaxis.host.engines import Integers, Progress, SceneRun, Translation, unwatched
+from triaxis.host.engines import Integers, Progress, SceneEngine, SceneRun, Translation, unwatched
 from triaxis.host.link.audit import BoardRun, audit, contradiction
 from triaxis.host.link.board import Board
 from triaxis.host.link.exchange import LinkError, SessionLostError
@@ -15,7 +15,7 @@ from triaxis.sim.mesh_engine import spatial_order
 _ATTEMPTS = 3
 
 
-class BoardEngine:
+class BoardEngine(SceneEngine):
     """A board that is asked about two meshes again and again. ``status``: of the last run, audited.
 
     A clear run makes the board's output say go, until the next run or command.

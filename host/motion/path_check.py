@@ -23,7 +23,6 @@ from triaxis.host.engines import (
     BULK,
     NO_PAIRS,
     Counts,
-    DecidingEngine,
     Progress,
     Question,
     SceneEngine,
@@ -264,20 +263,13 @@ def _looked_at(
         else:
             numbers.append(number)
             asked.append(Question(piece.segment.sample, margin, piece.likely))
-    for number, run in zip(numbers, _runs(engine, asked) if asked else (), strict=True):
+    for number, run in zip(numbers, engine.first_near(asked) if asked else (), strict=True):
         result.effort.add(run)
         if run.near_count:
             found[number] = some_of(run.near, _LIKELY)
         else:
             _level(result, pieces[number].segment).by_pose += 1
     return found
-
-
-def _runs(engine: SceneEngine, asked: Sequence[Question]) -> list[SceneRun]:
-    """Go on to a first near pair for each question."""
-    if isinstance(engine, DecidingEngine):
-        return engine.first_near(asked)
-    return [engine.run(one.translation, one.margin, stop_at_first=True) for one in asked]
 
 
 def _level(result: PathResult, segment: Segment) -> Level:
@@ -289,18 +281,17 @@ def _first_near_piece(
     scene: PathScene, engine: SceneEngine, result: PathResult, progress: Progress
 ) -> tuple[_Piece, SceneRun] | None:
     """Return the first piece, no longer than the step, that is near, and all that is near there."""
-    at_once = engine.at_once if isinstance(engine, DecidingEngine) else 1
     # Moves in a piece; the pieces that are still to be shown clear; the first move that is in none yet.
     together, pending, index = 1, deque[_Piece](), 0
     count = len(scene.program.moves)
     near: tuple[_Piece, SceneRun] | None = None
     done = 0
     while pending or index < count:
-        while len(pending) < at_once and index < count:
+        while len(pending) < engine.at_once and index < count:
             last = min(index + together, count)
             pending.append(_moves(scene, index, last, NO_PAIRS))
             index = last
-        pieces = [pending.popleft() for _ in range(min(at_once, len(pending)))]
+        pieces = [pending.popleft() for _ in range(min(engine.at_once, len(pending)))]
         left: list[_Piece] = []
         groups, clear = 0, 0
         for piece, likely in zip(pieces, _looked_at(scene, engine, pieces, result), strict=True):
