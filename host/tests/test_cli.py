@@ -182,8 +182,8 @@ def started(*words: object) -> "subprocess.Popen[bytes]":
 
 
 @pytest.mark.parametrize("moments", [3, pytest.param(24, marks=pytest.mark.regress)])
-@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
-def test_no_moment_leaves_an_older_answer(meshes, tmp_path, seed, number, moments):
+@pytest.mark.parametrize("numbers", [[signal.SIGINT], [signal.SIGTERM], [signal.SIGHUP, signal.SIGINT]])
+def test_no_moment_leaves_an_older_answer(meshes, tmp_path, seed, numbers, moments):
     report = tmp_path / "report.json"
     command = ("check", *meshes, "--engine", "golden", "--clearance", "2", "--json", report)
     begun = time.monotonic()
@@ -195,7 +195,8 @@ def test_no_moment_leaves_an_older_answer(meshes, tmp_path, seed, number, moment
         report.write_text('{"verdict": "clear"}')
         with started(*command) as process:
             time.sleep(whole * (moment + chance.uniform(0, 1)) / moments)
-            process.send_signal(number)
+            for number in numbers:
+                process.send_signal(number)
             assert process.stderr
             errors = process.stderr.read().decode()
             code = process.wait()
