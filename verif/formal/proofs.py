@@ -297,8 +297,8 @@ def _walk() -> SbyProof:
             "is on its way is counted for a core of any latency by the same formula",
             "what is read of a memory is what was written: `engine_memory`; it is read where a run asks, and "
             "boxes lie around their triangles: `engine_boxes`",
-            "the core gives one verdict a pair, in order and with its own tag, at any time, and takes a pair a "
-            "clock as long as verdicts are taken at once: `streams`, `certified`",
+            "the core gives one verdict a pair, in order and with its own tag, at any time, and takes a pair "
+            "a clock as long as verdicts are taken at once: `streams`, `certified`",
         ),
         beside=("triaxis_mesh_surroundings",),
     )
