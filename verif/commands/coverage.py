@@ -225,7 +225,7 @@ def _export(options: argparse.Namespace) -> int:
     here = rtl_hash()
     # All that can be wrong with what is stored comes before the first file.
     functional = _functional(options.sources, here) if ucis else None
-    code = _measured(here) if lcov or RESULT.exists() else None
+    code = _measured(here) if lcov or (ucis and RESULT.exists()) else None
     if ucis and functional:
         database, records = functional
         points: dict[str, dict[Point, int]] = {}

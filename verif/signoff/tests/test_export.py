@@ -141,6 +141,12 @@ def test_what_is_absent_or_stale_is_refused(checkout: Path, spoil: Any, said: st
     assert written(checkout) == set()
 
 
+def test_the_testplan_is_written_whatever_was_measured(checkout):
+    change(checkout / CODE, rtl_hash="0" * 64)
+    export("--reqif", checkout / "plan.reqif")
+    assert (checkout / "plan.reqif").exists()
+
+
 def test_requirements_and_testpoints_are_reqif_that_another_reader_understands(tmp_path):
     reqif = pytest.importorskip("reqif", reason="reqif is not installed: `make regress` installs it")
     import xmlschema
