@@ -38,9 +38,9 @@ class Command(NamedTuple):
 
 _REPORT = {"--json": Answer(before='{\n  "verdict": "unknown"\n}\n')}
 _PICTURE = {"--picture": Answer(endings=(".png", ".svg"))}
-# How a report begins; a file of anything else is not to be lost.
 # What the parser takes for a value, though it begins like an option.
 _NEGATIVE = re.compile(r"-\d+|-\d*\.\d+")
+# How a report begins; a file of anything else is not to be lost.
 _OURS = re.compile(rb"\s*(\{|$)")
 _MESHES = "decide whether two STL meshes come within a clearance"
 
@@ -50,14 +50,14 @@ COMMANDS = {
         "decide whether a tool stays clear of a workpiece along a G-code program", "host.cli.path",
         ("clear", "near"), _REPORT | _PICTURE,
     ),
+    "watch": Command(
+        "permit a machine to go through a program without a stop", "host.cli.watch",
+        ("to the end", "near, or ended before"), _REPORT | _PICTURE,
+    ),
     "verdict": Command(
         "decide pairs of triangles from a .npy file", "host.cli.verdict", ("decided",), {"--out": Answer()}
     ),
     "board check": Command(_MESHES, "host.cli.board", ("clear", "near"), _REPORT),
-    "board follow": Command(
-        "permit a machine to go through a program without a stop", "host.cli.follow",
-        ("to the end", "near, or ended before"), _REPORT | _PICTURE,
-    ),
     "board status": Command("print what the board is, and its status", "host.cli.board", ("done",)),
     "board simulate": Command("serve a simulated board at a pseudo-terminal", "host.cli.board", ("done",)),
     "scene examples": Command(
@@ -220,7 +220,7 @@ COMMANDS = {
 }  # fmt: skip
 
 GROUPS = {
-    "board": "the same on the board, over its serial port, or on a simulated one",
+    "board": "two meshes on the board, over its serial port; a simulated board",
     "scene": "example meshes; which coordinate width suits your own",
     "regress": "many tests with many seeds, and what to do with a failure",
     "prove": "proofs, every small case, and faults put in to be found",
@@ -231,7 +231,7 @@ GROUPS = {
 }
 
 _SECTIONS = {
-    "does anything come close?": ("check", "path", "verdict", "board", "scene"),
+    "does anything come close?": ("check", "path", "watch", "verdict", "board", "scene"),
     "is the design right?": ("sim", "regress", "prove", "coverage", "signoff", "results", "evidence"),
     "how good is it, and onto the board": ("bench", "tritest", "fpga"),
 }

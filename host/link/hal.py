@@ -1,6 +1,6 @@
 """Where the tool is by LinuxCNC's HAL: a component whose pins a machine's own .hal file nets.
 
-    loadusr -Wn triaxis triaxis board follow .. --hal
+    loadusr -Wn triaxis triaxis watch .. --hal
     net x-pos => triaxis.x          float, in: where the tool is, in the frame of WORK.stl, in mm
     net y-pos => triaxis.y
     net z-pos => triaxis.z
@@ -10,6 +10,7 @@
     triaxis.go                      bit, out: what the last answer said, for people: no permission
     triaxis.full-speed              bit, out: the tool is beyond the zone of --slow, wherever it may be
     triaxis.quiet                   bit, out: and beyond that of --warn
+    triaxis.beat                    bit, out: another with each answer, for HAL's component watchdog
 
 A pin that nothing writes reads 0: until x, y, z, running, and those of a, b, c that turn, are netted, there
 is no position, and no go.
@@ -70,7 +71,7 @@ class HalPositions:
                 self._component.newpin(name, kinds.HAL_FLOAT, kinds.HAL_IN)
             self._component.newpin("tool", kinds.HAL_S32, kinds.HAL_IN)
             self._component.newpin("running", kinds.HAL_BIT, kinds.HAL_IN)
-            for name in ("go", *_BEYOND):
+            for name in ("go", *_BEYOND, "beat"):
                 self._component.newpin(name, kinds.HAL_BIT, kinds.HAL_OUT)
             self._component.ready()
         except Exception as error:
@@ -151,9 +152,10 @@ class HalPositions:
                 self._changed.wait(left if left > 0 else None)
 
     def said(self, go: bool) -> None:
-        """Show on the pin what the last answer was, for as long as that is known."""
+        """Show on the pin what an answer was, for as long as that is known, and that there was one."""
         with self._changed:
             self._component["go"] = go
+            self._component["beat"] = not self._component["beat"]
             self._clear_where_over()
 
     def beyond(self, zones: int) -> None:
@@ -165,8 +167,7 @@ class HalPositions:
 
     def close(self) -> None:
         """Take the component away; nothing is permitted any more."""
-        self.said(False)
-        self.beyond(0)
+        self.known_until(0.0)
         with self._changed:
             self._closed = True
             self._changed.notify()

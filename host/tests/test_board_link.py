@@ -26,7 +26,6 @@ from triaxis.host.tests.line_faults import LineFaults, StaleReplies, patient
 from triaxis.host.tests.published import read_published
 from triaxis.host.tests.test_cli import TRIAXIS
 from triaxis.sim.pseudo_terminal import ServedBoard, Wire
-from triaxis.sim.simulated_board import SimulatedTop
 from triaxis.sim.simulated_line import SimulatedLine, SimulatedWire
 
 pytestmark = pytest.mark.simulator
@@ -37,13 +36,6 @@ PARAMETERS = simulated_parameters(16, 512)
 OTHER_BUILD = f"the board was built of {PARAMETERS.build_id:08x}, this checkout is 00facade"
 # Simulated seconds are such that the client waits 60,000 clocks for a reply before it asks again.
 CLOCKS_PER_SECOND = 1_200_000
-
-
-@pytest.fixture
-def top():
-    with SimulatedTop(PARAMETERS) as board:
-        yield board
-        assert board.bad_clocks == 0
 
 
 @pytest.fixture

@@ -132,7 +132,7 @@ def test_cutting_is_allowed_and_crashing_is_not(checked, parts, program, near):
 
 
 def pieces_of(folder, program, start, clearance=Fraction(1, 2), shortest=Fraction(1, 16)):
-    """Return the pieces by which `board follow` would follow a program, with a stock, of one tool."""
+    """Return the pieces by which `watch` would follow a program, with a stock, of one tool."""
     machine = read_machine(folder / "m.toml")
     work, stock = ((read_stl(folder / name), folder / name) for name in ("work.stl", "stock.stl"))
     wanted = Wanted(clearance, Fraction(1, 100), shortest, Fraction(1), None)

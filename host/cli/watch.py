@@ -1,4 +1,4 @@
-"""``triaxis board follow``: a machine is permitted to go through a program, as long as the board agrees."""
+"""``triaxis watch``: a machine is permitted to go through a program, as long as the board agrees."""
 
 import argparse
 import sys
@@ -50,8 +50,8 @@ _ZONES = ("slow", "warn")
 _LISTED, _ALIVE_SECONDS = 10, 0.03
 
 
-def add_follow(parser: argparse.ArgumentParser) -> None:
-    """Add the arguments of ``board follow``."""
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add the arguments of ``watch``."""
     parser.description = (
         "Permit a machine to go through a program without a stop: while the tool is in one piece of the "
         "path, the next is checked on the board, whose output says go from one to the next. It says stop "

@@ -1,0 +1,726 @@
+"""`watch`: the command, its positions, LinuxCNC's HAL."""
+
+import os
+import shutil
+import subprocess
+import tempfile
+import threading
+import time
+from fractions import Fraction
+from functools import partial
+from itertools import count
+from pathlib import Path
+from types import SimpleNamespace
+from xml.etree import ElementTree
+
+import numpy as np
+import pytest
+from filelock import FileLock
+
+from triaxis.golden.errors import InputError
+from triaxis.host import scenes
+from triaxis.host.cli import engine as engine_module
+from triaxis.host.cli import main
+from triaxis.host.cli import watch as watch_module
+from triaxis.host.link import hal as hal_module
+from triaxis.host.link import positions
+from triaxis.host.link.board import Board
+from triaxis.host.link.board_engine import BoardEngine
+from triaxis.host.link.hal import HalPositions
+from triaxis.host.link.positions import Positions
+from triaxis.host.tests.published import read_published
+from triaxis.host.tests.test_follow import (
+    CLOCKS_PER_SECOND,
+    FLOOR,
+    PARAMETERS,  # noqa: F401 - of the fixture `top`
+    PROGRAM,
+    TOOL,
+)
+from triaxis.sim.pseudo_terminal import ServedBoard, Wire
+from triaxis.sim.simulated_line import SimulatedLine, SimulatedWire
+
+HAL = """loadrt threads name1=servo period1=1000000
+loadrt sampler depth=1000 cfg=fff
+addf sampler.0 servo
+setp sampler.0.pin.0 12.5
+setp sampler.0.pin.1 -0.125
+setp sampler.0.pin.2 1e3
+start
+loadusr -w halsampler -n 3
+"""
+
+
+@pytest.mark.skipif(shutil.which("halrun") is None, reason="LinuxCNC is not installed (linuxcnc-uspace)")
+def test_what_halsampler_writes_is_understood():
+    with tempfile.TemporaryDirectory() as folder:
+        script = Path(folder, "sample.hal")
+        script.write_text(HAL)
+        # As root it asks for whom it is to run, who writes into the folder.
+        Path(folder).chmod(0o777)
+        environment = {**os.environ, "RTAPI_UID": "65534", "HOME": folder}
+        command = ["halrun", "-f", script]
+        done = subprocess.run(command, env=environment, capture_output=True, text=True, check=False)
+    if done.returncode:
+        pytest.skip(f"LinuxCNC's HAL does not start here: {done.stderr}")
+    report = Positions(piped(done.stdout)).report()
+    assert report and report[0] == (Fraction(25, 2), Fraction(-1, 8), 1000)
+
+
+@pytest.mark.parametrize(
+    ("text", "what"),
+    [
+        ("1 2 3\noverrun\n1 2 3\n", "position 'overrun': must be X Y Z in mm"),
+        ("1 2 3 4 5\n", "must be X Y Z"), ("1 2 3 4.5\n", "must be X Y Z"),
+        ("1 2 3 4 5 6 x\n", "must be X Y Z"),
+        ("1 2 1e999999999\n", "must be X Y Z"), ("1 2 1e400\n", "must be X Y Z"),
+        ("1 2 x\n", "must be X Y Z"), ("1 2 1/0\n", "must be X Y Z"),
+        ("1 2 \ufffd\n", "must be X Y Z"),
+    ],
+)  # fmt: skip
+def test_lines_that_are_no_positions_are_refused(text, what):
+    positions = Positions(piped(text))
+    with pytest.raises(InputError, match=what):
+        while positions.report():
+            pass
+
+
+def lines_of(end):
+    """Return all that comes from an open file, which stays open."""
+    with os.fdopen(os.dup(end), encoding="utf-8") as lines:
+        return lines.read().splitlines(True)
+
+
+def piped(text):
+    """Return the end of a pipe that all of it is in, and nothing more comes."""
+    end, start = os.pipe()
+    with os.fdopen(start, "w", encoding="utf-8") as pipe:
+        pipe.write(text)
+    return end
+
+
+def test_of_positions_that_waited_the_last_is_taken():
+    """As where this process was stopped meanwhile: with a time before it was read, and of none before it."""
+    end, start = os.pipe()
+    os.write(start, b"".join(b"%d 0 0\n" % number for number in range(3000)) + b"9999 0")
+    begun = time.monotonic()
+    positions = Positions(end)
+    first, since = positions.report() or pytest.fail("none")
+    assert first == (2999, 0, 0) and begun <= since <= time.monotonic()
+    os.write(start, b" 1\n")
+    while (last := (positions.report() or pytest.fail("none"))[0]) == first:
+        pass
+    assert last == (9999, 0, 1)
+    os.close(start)
+
+
+def test_a_line_without_an_end_is_no_position(monkeypatch):
+    monkeypatch.setattr(positions, "_PART", 100)
+    with pytest.raises(InputError, match="a line without an end"):
+        Positions(piped("1" * 150)).report()
+
+
+def test_a_position_that_is_cut_off_is_none():
+    positions = Positions(piped("1 2 3\n10 20 3"))
+    while report := positions.report():
+        assert report[0] == (1, 2, 3)
+
+
+TOOLS = """rapids = "straight"
+loaded = 1
+[[tools]]
+number = 1
+length = 0
+parts = [{ diameter = 2, length = 9 }]
+[[tools]]
+number = 2
+length = 0
+parts = [{ diameter = 4, length = 9 }]
+"""
+CUTTERS = TOOLS.replace("length = 9 }", "length = 9, cuts = true }, { diameter = 9, length = 20 }")
+
+
+@pytest.mark.long
+@pytest.mark.simulator
+def test_tools_are_followed_one_after_the_other(top, tmp_path, capsys, monkeypatch):
+    machine, work, program, report = (tmp_path / name for name in ("m.toml", "w.stl", "p.nc", "r.json"))
+    machine.write_text(TOOLS)
+    scenes.write_stl(work, FLOOR)
+    program.write_text("G21 G90 G61\nG0 X10\nT2 M6\nG1 X20 F1000\n")
+    positions = tmp_path / "positions"
+    ticks = count()
+    clock = SimpleNamespace(monotonic=lambda: next(ticks) / 400)
+    monkeypatch.setattr(watch_module, "time", clock)
+    # As a control would: the next line when the last has been looked at.
+    monkeypatch.setattr(watch_module, "Positions", lambda end: Steps(lines_of(end)))
+    with ServedBoard(top, Wire()) as served:
+
+        def run(lines, *words):
+            positions.write_text("\n".join(lines) + "\n")
+            where = () if words else ("--positions", str(positions))
+            arguments = [str(machine), str(work), str(program), "--port", served.path, *where, *words]
+            arguments += ["--speed", "100", "--lag", "50", "--hold", "500", "--start", "0", "0", "40"]
+            arguments += ["--json", str(report), "--skip-self-test"]
+            arguments += [] if "--stock" in words else ["--surfaces-only"]
+            status = main(["watch", *arguments])
+            return status, capsys.readouterr()
+
+        status, said = run([], "--simulate")
+        assert status == 0 and "with tool 2 from line 4 on" in said.out, said.err
+        first = [f"{x} 0 40 1" for x in (0, 4, 8, 10, 10, 10, 10)]
+        # Away to change it, back with the old one, and only then with the new one.
+        away = ["10 0 200 1", "10 0 200 0", "10 0 200 2", "10 0 40 2"]
+        second = [f"{x} 0 40 2" for x in (10, 14, 18, 20, 20, 20, 20)]
+        status, said = run([*first, *away, *second])
+        assert (status, said.err) == (0, "") and "FOLLOWED: to the end of the program" in said.out
+        assert read_published(report, "watch")["verdict"] == "followed"
+        for lines, status, what in (
+            ([*first, *away[:3]], 1, "ENDED"),
+            ([first[0], "4 0 40"], 2, "positions must say which one is in the spindle"),
+            ([*first, *["10 0 40"] * 2], 2, "positions must say which one is in the spindle"),
+            ([*first[:2], "8 0 40 2"], 2, "tool 2 is in the spindle, and not 1"),
+            ([*first, *away, *second[:2], "18 0 60 2"], 2, "where it is not permitted to be"),
+            # Off the path, at its start, by as much as it may be, and by more.
+            (["-0.01 0 40 1", *first[1:], *away[:3]], 1, "ENDED"),
+            (["-0.02 0 40 1"], 2, "where it is not permitted to be"),
+        ):
+            found, said = run(lines)
+            assert found == status and what in said.out + said.err, (lines, said)
+        # What ends with a change of the tool ends before it, with stop.
+        whole = program.read_text()
+        program.write_text("G21 G90 G61\nG0 X10\nT2 M6\nM30\n")
+        status, said = run([*first, "10 0 40 1", "10 0 40 2"])
+        assert (status, said.err) == (0, "") and "FOLLOWED: to the end" in said.out and top.stop
+        # The cutter may be in the stock where it feeds, the shank never, and neither of them on a rapid.
+        machine.write_text(CUTTERS)
+        scenes.write_stl(tmp_path / "blank.stl", scenes.box((5, -9, 10), (30, 9, 30)))
+        picture = tmp_path / "near.svg"
+        for lines, near in (
+            ("G0 X2 Y0 Z32\nG1 X9 Z26 F900\nX20\nG0 Z40\nT2 M6\nG0 X0", (None, None, None)),
+            ("G0 X2 Y0 Z32\nG1 X9 Z26 F900\nG0 X20", (4, "the cutter", "the stock")),
+            ("G0 X9 Y0\nG1 Z25 F900\nZ19", (4, "the tool's body", "the stock")),
+            # By another tool, which was not there.
+            ("G0 X9 Y0\nG1 Z25 F900\nT2 M6\nG0 Z28", (5, "the cutter", "the stock")),
+        ):
+            program.write_text(f"G21 G90 G61\n{lines}\n")
+            picture.write_bytes(b"old")
+            words = ["--stock", str(tmp_path / "blank.stl"), "--length", "0.5", "--picture", str(picture)]
+            status, said = run([], "--simulate", *words)
+            # What was there before is never taken for what was found now.
+            assert picture.exists() == (status == 1)
+            if status:
+                drawn = " ".join(ElementTree.fromstring(picture.read_text()).itertext())
+                assert f"p.nc: stopped before line {near[0]}: {near[1]} comes near {near[2]}" in drawn
+            found = read_published(report, "watch")
+            assert (found["line"], found["what"], found["of"]) == near, said
+            assert status == int(near[0] is not None) and "what is cut away is not tracked" in said.out
+            assert found["stock"] == [str(tmp_path / "blank.stl")]
+        machine.write_text(TOOLS)
+        status, said = run([], "--simulate", "--stock", str(tmp_path / "blank.stl"))
+        assert status == 2 and "nobody said what of it cuts" in said.err
+        program.write_text(whole)
+        # Tool 0 is one as all others.
+        machine.write_text(TOOLS.replace("= 1\n", "= 0\n"))
+        for lines in (program.read_text(), "G21 G90 G61\nG0 X10\n"):
+            program.write_text(lines)
+            found, said = run(["0 0 40 2"])
+            assert found == 2 and "tool 2 is in the spindle, and not 0" in said.err, said
+    assert top.stop
+
+
+OBJECTS = """rapids = "straight"
+loaded = 1
+[offsets]
+G54 = [0.0, 0.0, -250.0]
+[[tools]]
+number = 1
+length = 50
+mesh = "tool.stl"
+[[objects]]
+name = "bed"
+mesh = "post.stl"
+[[objects]]
+name = "saddle"
+axis = "-Y"
+[[objects]]
+name = "table"
+on = "saddle"
+axis = "-X"
+mesh = "table.stl"
+[[objects]]
+name = "head"
+axis = "Z"
+mesh = "head.stl"
+at = [0.0, 0.0, 250.0]
+[spindle]
+on = "head"
+nose = [0.0, 0.0, 250.0]
+[workpiece]
+on = "table"
+"""
+
+
+@pytest.mark.long
+@pytest.mark.simulator
+def test_objects_are_on_the_board_or_shown_clear_before(top, tmp_path, capsys, monkeypatch):
+    machine, work, program, report = (tmp_path / name for name in ("m.toml", "w.stl", "p.nc", "r.json"))
+    for name, corners in {
+        "tool": ((-3, -3, 0), (3, 3, 50)), "table": ((-50, -50, -10), (50, 50, 0)),
+        "post": ((60, -5, -30), (70, 5, 60)), "head": ((-40, -40, 0), (65, 40, 60)),
+        "w": ((-20, -20, 0), (-10, 20, 70)),
+    }.items():  # fmt: skip
+        scenes.write_stl(tmp_path / f"{name}.stl", scenes.box(*corners))
+    ticks = count()
+    monkeypatch.setattr(watch_module, "time", SimpleNamespace(monotonic=lambda: next(ticks) / 400))
+    with ServedBoard(top, Wire()) as served:
+
+        def run(lines, text=OBJECTS, words=()):
+            machine.write_text(text)
+            program.write_text(f"G21 G90 G61 G43 H1 F1000\n{lines}\n")
+            arguments = [str(machine), str(work), str(program), "--port", served.path, "--simulate"]
+            arguments += ["--speed", "100", "--lag", "50", "--hold", "500", "--start", "0", "0", "150"]
+            status = main(["watch", *arguments, *words, "--json", str(report), "--skip-self-test"])
+            found = read_published(report, "watch")
+            return status, (found.get("line"), found.get("what"), found.get("of")), capsys.readouterr()
+
+        status, near, said = run("G0 Z30\nX5 Y5\nG1 X-3")
+        assert (status, near, said.err) == (0, (None, None, None), "")
+        # By X and Y, of which the board knows nothing; by Z; and by all three, which it is asked about.
+        for lines, near, (axis, where) in (
+            ("G0 Z60\nX-9.6", (3, "the bed", "the table"), (0, -9.55)),
+            ("G0 Z60\nX60\nZ10.4", (4, "the bed", "the head"), (2, 10.45)),
+            ("G0 Z30\nG1 Z20.4", (3, "the head", "the workpiece"), (2, 20.45)),
+        ):
+            status, found, said = run(lines)
+            assert (status, found) == (1, near), said
+            assert (
+                f"NEAR: line {near[0]}: the machine was stopped before it, where {near[1]} comes" in said.out
+            )
+            place = read_published(report, "watch")["position"]
+            assert abs(place[axis] - where) < 3 and f"about X{place[0]:.4f} Y{place[1]:.4f} Z" in said.out
+        # The bed and the table are 2 mm apart at X-8, 5 at X-5, which is a piece by itself.
+        for lines, within in (("G0 Z90\nG1 X-5\nX-8", [4]), ("G0 Z90\nG1 X-5", [])):
+            status, _, said = run(lines, words=["--slow", "3"])
+            (zone,) = read_published(report, "watch")["zones"]
+            assert (status, zone["within"], zone["lines"]) == (0, 3, within), said
+            assert zone["pieces"] == len(within) == said.out.count("zone: slow, line 4")
+        # What may touch something on the board is looked at beside it, against all else.
+        touching = OBJECTS.replace("[spindle]", 'may_touch = ["workpiece"]\n[spindle]')
+        for lines, near in (("G0 Z30\nG1 Z20.4", None), ("G0 Z60\nX60\nZ10.4", (4, "the bed", "the head"))):
+            status, found, said = run(lines, touching)
+            assert (status, found) == (int(near is not None), near or (None, None, None)), said
+        scenes.write_stl(tmp_path / "post.stl", scenes.box((200, 200, 0), (201, 201, 1)))
+        status, found, said = run("G0 X60\nZ-49.6", touching)
+        assert (status, found) == (1, (3, "the table", "the head")), said
+        # A table that has a bed inside it.
+        scenes.write_stl(tmp_path / "post.stl", scenes.box((-5, -5, -7), (5, 5, -3)))
+        status, found, said = run("G0 Z60")
+        assert status == 1 and "NEAR: of the bed and the table one is inside the other" in said.out
+    assert top.stop
+
+
+TURNING = OBJECTS.replace("loaded = 1", "loaded = 1\nturn_tolerance = 0.01").replace(
+    'name = "table"\non = "saddle"\naxis = "-X"',
+    'name = "slide"\non = "saddle"\naxis = "-X"\n[[objects]]\nname = "table"\non = "slide"\naxis = "C"\n'
+    "pivot = [0.0, 0.0, 0.0]",
+)
+OBJECTS_WITHOUT = TURNING.replace("turn_tolerance = 0.01", "")
+
+
+@pytest.mark.long
+@pytest.mark.simulator
+def test_between_turns_a_machine_is_followed_by_what_stands_then(top, tmp_path, capsys, monkeypatch):
+    machine, work, program, report = (tmp_path / name for name in ("m.toml", "w.stl", "p.nc", "r.json"))
+    for name, corners in {
+        "tool": ((-3, -3, 0), (3, 3, 50)), "table": ((-50, -50, -10), (50, 50, 0)),
+        "post": ((60, -5, -30), (70, 5, 60)), "head": ((-40, -40, 0), (40, 40, 60)),
+        "w": ((-20, -20, 0), (-10, 20, 70)),
+    }.items():  # fmt: skip
+        scenes.write_stl(tmp_path / f"{name}.stl", scenes.box(*corners))
+    ticks, places = count(), tmp_path / "positions"
+    monkeypatch.setattr(watch_module, "time", SimpleNamespace(monotonic=lambda: next(ticks) / 400))
+    went = list[float | str]()
+
+    class Watched(Steps):
+        """Positions, of which C is kept."""
+
+        def report(self):
+            """Return the next."""
+            here = super().report()
+            assert self.angles
+            went.append(float(self.angles[2]))
+            return here
+
+    def watched(of, name):
+        real = getattr(of, name)
+        monkeypatch.setattr(of, name, lambda *words: went.append(name) or real(*words))
+
+    watched(BoardEngine, "permit")
+    watched(Board, "abort")
+    monkeypatch.setattr(watch_module, "Positions", lambda end: Watched(lines_of(end)))
+    with ServedBoard(top, Wire()) as served:
+
+        def run(lines, positions=None, text=TURNING):
+            machine.write_text(text)
+            program.write_text(f"G21 G90 G61 G43 H1 F1000\n{lines}\n")
+            where = ["--simulate"]
+            if positions is not None:
+                places.write_text("".join(f"{x} {y} {z} 1 0 0 {c}\n" for x, y, z, c in positions))
+                where = ["--positions", str(places)]
+            arguments = [str(machine), str(work), str(program), "--port", served.path, *where]
+            arguments += ["--speed", "100", "--lag", "50", "--hold", "500", "--start", "0", "0", "150"]
+            arguments += ["--json", str(report), "--skip-self-test", "--length", "0.5"]
+            went.clear()
+            status = main(["watch", *arguments])
+            found = read_published(report, "watch")
+            return status, (found.get("line"), found.get("what"), found.get("of")), capsys.readouterr()
+
+        status, near, said = run("G0 Z30\nC20\nG1 X5\nC0\nX0")
+        assert (status, near, said.err) == (0, (None, None, None), ""), said
+        assert all(f"line {line} on, at C{angle}\n" in said.out for line, angle in ((2, 0), (4, 20), (6, 0)))
+        down = [(0, 0, z, 0) for z in range(100, 29, -1)]
+        turn = [(0, 0, 30, c) for c in (5, 12, 19.98)]
+        right = [(x, 0, 30, 20) for x in (0, 1, 2, 3, 4, 5)]
+        status, _, said = run("G0 Z30\nC20\nG1 X5", [*down, *turn, *right, *right[-1:] * 3])
+        assert (status, said.err) == (0, "") and "FOLLOWED" in said.out, (said.err, went)
+        # Go is ended before it turns, and nothing permitted before the angle is there.
+        end = went.index("abort")
+        assert went[end - 1 : end + 7] == [0, "abort", 5, 12, 19.98, 20, 20, "permit"]
+        # What ends with a turn ends before it, with stop.
+        status, _, said = run("G0 Z30\nC20", [*down, *[(0, 0, 30, 0)] * 3, *turn])
+        assert (status, said.err, went[-1]) == (0, "", "abort") and "FOLLOWED" in said.out, (said.err, went)
+        # A part that ends where it begins is not over before it has begun; looked at three times before it.
+        there = [(x, 0, 30, 20) for x in (0, 0, 0, 0, 3, 7, 12, 16, 13, 9, 4, 0, 0, 0)]
+        last = [(x, 0, 30, 40) for x in (0, 2, 4, 5, 5, 5)]
+        positions = [*down, *turn, *there, (0, 0, 30, 30), *last]
+        bare = TURNING.replace('mesh = "table.stl"', "")
+        status, _, said = run("G0 Z30\nC20\nG1 X16\nX0\nC40\nG1 X5", positions, bare)
+        first, second, *_ = (number for number, what in enumerate(went) if what == "abort")
+        assert went[first:second].count("permit") > 9, went
+        assert (status, said.err) == (0, "") and "FOLLOWED" in said.out, (said.out, said.err, went)
+        for positions, status, what in (
+            ([*down[:4], (0, 0, 96, 0.02)], 2, "axes are at C0.02, not at C0; the machine is stopped"),
+            ([*down, *turn[:2], (1, 0, 30, 12)], 1, "ENDED"),
+            ([*down, *turn, *right[:2], (2, 0, 30, 19)], 2, "axes are at C19, not at C20"),
+            ([*down, *turn, *right[:2], (2, 5, 30, 20)], 2, "where it is not permitted to be"),
+        ):
+            found, _, said = run("G0 Z30\nC20\nG1 X5", positions)
+            assert found == status and what in said.out + said.err, (positions, said)
+        # In a stand the workpiece is where it has turned to, in one before not.
+        for lines, near in (
+            ("G0 Z30\nG1 Y9\nY-8", None), ("G0 Z30\nC90\nG1 Y9\nY-8", (5, "the tool", "the workpiece")),
+            ("G0 Z30\nG1 X9\nX-8", (4, "the tool", "the workpiece")), ("G0 Z30\nC90\nG1 X9\nX-8", None),
+            # A table that turns comes near a post; the tool has not moved yet; or is not to come so far.
+            ("G0 C45\nZ30", (2, "the bed", "the table")), ("G0 Z90\nX1\nC45", (4, "the bed", "the table")),
+            ("G0 Z30\nG1 X9\nX-6\nC18\nX0", (5, "the tool", "the workpiece")),
+        ):  # fmt: skip
+            text = bare if "C90" in lines else TURNING
+            status, found, said = run(lines, text=text)
+            assert (status, found) == (int(near is not None), near or (None, None, None)), (lines, said)
+        tool = TURNING[TURNING.index("[[tools]]") : TURNING.index("[[objects]]")]
+        two = TURNING.replace(tool, tool + tool.replace("number = 1", "number = 2"))
+        # The table is 1 mm from the post, and would be within it at C25.
+        for tolerance, near in ((0.01, None), (3, (5, "the bed", "the table"))):
+            text = TURNING.replace("turn_tolerance = 0.01", f"turn_tolerance = {tolerance}")
+            status, found, said = run("G0 Z90\nX30\nC22\nG1 X-3", text=text)
+            assert (status, found) == (int(near is not None), near or (None, None, None)), said
+        for lines, what, text in (
+            ("G0 X5 C5\nC9\nG1 X9 C3", "line 2, 4: A, B, C turn while X, Y, Z move", TURNING),
+            ("G0 C30\nC0\nX1", "line 3: the angles at the end of this turn are passed", TURNING),
+            ("G0 C0.015\nX1", "line 2: the angles at the end of this turn are passed, or nearly", TURNING),
+            ("G0 C20", "no line moves X, Y or Z", TURNING),
+            ("G0 Z30\nT2 M6 G43 H2\nC90\nT1 M6 G43 H1\nC0\nX5", "line 7: the same tool and angles", two),
+            ("G0 X1", "turn_tolerance: say by how many degrees C may be off", OBJECTS_WITHOUT),
+        ):
+            status, _, said = run(lines, text=text)
+            assert status == 2 and what in said.err, said
+    assert top.stop
+
+
+class Steps(watch_module.Positions):
+    """Positions of which each is looked at once, in their order."""
+
+    def __init__(self, lines):
+        """Take them; no thread reads them."""
+        self._steps = iter(lines)
+
+    def wait(self, seconds):
+        """There is one, or none will come."""
+        return True
+
+    def report(self):
+        """Return the next."""
+        line = next(self._steps, None)
+        if line is None:
+            return None
+        position, self.tool, self.angles = positions.read_position(line)
+        return position, watch_module.time.monotonic()
+
+
+class Shown:
+    """A page that keeps what it is told."""
+
+    address = "http://here/"
+
+    def __init__(self, shown, port):
+        """Begin."""
+        self._shown = shown
+
+    def show(self, tool, work, ends, title):
+        """Keep it."""
+        self._shown.append((tool, ends, title))
+
+    def tell(self, **changes):
+        """Keep it."""
+        self._shown.append(changes)
+
+
+def says_late(fifo):
+    with fifo.open("w") as lines:
+        time.sleep(2)
+        lines.write("0 0 40\n")
+
+
+@pytest.mark.simulator
+def test_the_command_follows_positions_and_says_how_far(top, tmp_path, capsys, monkeypatch):
+    tool, work, program = (tmp_path / name for name in ("tool.stl", "work.stl", "program.nc"))
+    program.write_text(PROGRAM)
+    for path, facets in ((tool, TOOL), (work, FLOOR)):
+        record = np.zeros(len(facets), [("normal", "<f4", 3), ("facet", "<f4", (3, 3)), ("attribute", "<u2")])
+        record["facet"] = facets
+        path.write_bytes(bytes(80) + len(facets).to_bytes(4, "little") + record.tobytes())
+    positions, report = tmp_path / "positions", tmp_path / "report.json"
+    always = ["--speed", "100", "--lag", "50", "--hold", "500", "--start", "0", "0", "40"]
+    # A clock that knows nothing of how busy the machine is.
+    ticks = count()
+    clock = SimpleNamespace(monotonic=lambda: next(ticks) / 400)
+    monkeypatch.setattr(watch_module, "time", clock)
+    with ServedBoard(top, Wire()) as served:
+
+        def run(*words):
+            arguments = [str(tool), str(work), str(program), "--port", served.path, *always, *words]
+            status = main(["watch", *arguments, "--json", str(report), "--skip-self-test"])
+            return status, capsys.readouterr()
+
+        shown = []
+        monkeypatch.setattr(watch_module, "Page", partial(Shown, shown))
+        status, said = run("--simulate", "--surfaces-only", "--page", "0")
+        assert (status, said.err) == (0, "") and "FOLLOWED: to the end of the program" in said.out
+        assert "page: http://" in said.out
+        (facets, ends, title), *told = shown
+        assert np.array_equal(facets, TOOL) and title == f"{tool} along {program.name}"
+        assert ends[0].tolist() == [0, 0, 40] and all(one["verdict"] == "clear" for one in told)
+        assert [one["asked"] for one in told] == [*range(1, len(told) + 1)]
+        assert told[-1]["permitted"] == len(ends) - 1 and told[-1]["position"] == pytest.approx([0, 0, 40])
+        # It comes down to 10 mm above the floor.
+        shown.clear()
+        zones = ["--slow", "12", "--warn", "17", "--hold", "60", "--lag", "20"]
+        status, said = run("--simulate", "--surfaces-only", "--page", "0", *zones)
+        assert (status, said.err) == (0, "") and "within 12 mm, or nearly: " in said.out
+        told = [one["zone"] for one in shown[1:] if "zone" in one]
+        assert told == ["free", "warn", "slow", None], told
+        assert [line.split()[1] for line in said.out.splitlines() if line.startswith("zone: ")] == [
+            "free,",
+            "warn,",
+            "slow,",
+            "unknown",
+        ]
+        slow, warn = read_published(report, "watch")["zones"]
+        assert 0 < slow["pieces"] < warn["pieces"] and {4, 5, 10} <= set(slow["lines"]) <= set(warn["lines"])
+        positions.write_text("0 0 40\n0 0\n")
+        shown.clear()
+        run("--positions", str(positions), "--surfaces-only", "--page", "0")
+        assert "must be X Y Z" in shown[-1]["stopped"]
+        positions.write_text("0 0 40\n0 0 39.5\n")
+        status, said = run("--positions", str(positions), "--surfaces-only")
+        assert status == 1 and "ENDED: the positions ended before the program did" in said.out
+        # Silence for longer than the watchdog's time, before the machine starts.
+        fifo = tmp_path / "fifo"
+        os.mkfifo(fifo)
+        control = threading.Thread(target=says_late, args=(fifo,))
+        control.start()
+        status, said = run("--positions", str(fifo), "--surfaces-only")
+        control.join()
+        assert (status, said.err) == (1, "")
+        positions.write_text("0 0\n")
+        status, said = run("--positions", str(positions), "--surfaces-only")
+        assert status == 2 and "position '0 0': must be X Y Z in mm" in said.err
+        assert read_published(report, "watch") == {"verdict": "unknown"}
+        for option, what in (
+            ("--speed", "say how fast"),
+            ("--lag", "must be more than 0"),
+            ("--length", "more than 0"),
+            ("--slow", "each must be wider"),
+            ("--warn", "give that, too"),
+        ):
+            assert what in run(option, "0")[1].err
+    assert top.stop
+
+
+class Machine:
+    """Another component of HAL, whose pins are netted to ours."""
+
+    def __init__(self, hal):
+        """Make it."""
+        self.hal, self.pins = hal, hal.component("machine")
+        kinds = {**dict.fromkeys("xyzc", hal.HAL_FLOAT), "running": hal.HAL_BIT, "tool": hal.HAL_S32}
+        for name, kind in kinds.items():
+            self.pins.newpin(name, kind, hal.HAL_OUT)
+            hal.new_sig(f"from-{name}", kind)
+            hal.connect(f"machine.{name}", f"from-{name}")
+        self.pins.ready()
+
+    def net(self, *names):
+        """Net pins of ours to it."""
+        for name in names:
+            self.hal.connect(f"triaxis.{name}", f"from-{name}")
+
+
+class Moving(dict):
+    """Pins of which each reading is another."""
+
+    def __init__(self, pins, places):
+        """Keep the others."""
+        super().__init__(pins)
+        self._places = places
+
+    def __getitem__(self, name):
+        """Return the next place."""
+        return float(next(self._places)) if name in "xyzabc" else super().__getitem__(name)
+
+
+@pytest.fixture
+def machine():
+    try:
+        hal = hal_module._hal()
+    except InputError as error:
+        pytest.skip(str(error))
+    # There is one HAL on a computer.
+    with FileLock(Path(tempfile.gettempdir()) / "triaxis-hal.lock"):
+        made = Machine(hal)
+        yield made
+        made.pins.exit()
+        # They are gone with the last component, but for those where a machine is running.
+        for name in ("x", "y", "z", "c", "running", "tool", "go"):
+            subprocess.run(
+                ["halcmd", "delsig", name if name == "go" else f"from-{name}"],
+                check=False,
+                capture_output=True,
+            )
+
+
+def test_positions_are_those_of_the_pins(machine):
+    """On the real HAL of LinuxCNC, where that is installed."""
+    pins = HalPositions({"C"})
+    component = pins._component
+    try:
+        machine.net("x", "y", "z")
+        assert not pins.wait(0.01)
+        machine.net("running")
+        assert not pins.wait(0.01)
+        machine.net("c")
+        assert pins.wait(0) and pins.tool is None
+        machine.net("tool")
+        machine.pins["x"], machine.pins["z"], machine.pins["c"], machine.pins["tool"] = 1.25, 40.0, 30.0, 3
+        report = pins.report()
+        assert report
+        position, since = report
+        assert position == (Fraction(5, 4), 0, 40) and since <= time.monotonic() and pins.tool == 3
+        assert pins.angles == (0, 0, 30)
+        # What nobody knows for any time is none.
+        pins.said(True)
+        assert [machine.hal.get_value(f"triaxis.{name}") for name in ("go", "beat")] == [False, True]
+        pins.known_until(time.monotonic() + 60)
+        pins.said(True)
+        assert [machine.hal.get_value(f"triaxis.{name}") for name in ("go", "beat")] == [True, False]
+        for zones, expected in ((2, [True, True]), (0, [False, False]), (1, [True, False])):
+            pins.beyond(zones)
+            assert [machine.hal.get_value(f"triaxis.{name}") for name in ("full-speed", "quiet")] == expected
+        # Put off, and then not any more, though nobody says so.
+        pins.known_until(time.monotonic() + 0.05)
+        assert machine.hal.get_value("triaxis.full-speed") is True
+        time.sleep(0.5)
+        assert [machine.hal.get_value(f"triaxis.{name}") for name in ("go", "full-speed")] == [False] * 2
+        machine.pins["running"] = True
+        assert pins.report()
+        machine.pins["running"] = False
+        assert pins.report() is None
+        machine.pins["running"], machine.pins["y"] = True, float("nan")
+        with pytest.raises(InputError, match="no number"):
+            pins.report()
+        for name in ("tool", "x"):
+            machine.hal.disconnect(f"machine.{name}")
+            with pytest.raises(InputError, match=rf"triaxis\.{name}: nothing writes this pin any more"):
+                pins.report()
+            machine.hal.connect(f"machine.{name}", f"from-{name}")
+        with pytest.raises(InputError, match="no component triaxis"):
+            HalPositions()
+        machine.pins["y"] = 0.0
+        # A machine that is elsewhere whenever a pin is read.
+        pins._component = Moving({"running": True}, count())
+        with pytest.raises(InputError, match="no two readings"):
+            pins.report()
+    finally:
+        pins._component = component
+        machine.hal.new_sig("go", machine.hal.HAL_BIT)
+        machine.hal.connect("triaxis.go", "go")
+        pins.known_until(time.monotonic() + 60)
+        pins.said(True)
+        pins.close()
+        assert not pins._clearing.is_alive()
+    assert machine.hal.get_value("go") is False
+
+
+def test_without_linuxcnc_it_says_so(monkeypatch):
+    def absent(_):
+        raise ModuleNotFoundError("No module named 'hal'")
+
+    monkeypatch.setattr(hal_module, "import_module", absent)
+    with pytest.raises(InputError, match="install linuxcnc-uspace"):
+        HalPositions()
+
+
+@pytest.mark.simulator
+def test_the_command_follows_the_pins_of_a_machine(machine, top, tmp_path, capsys, monkeypatch):
+    tool, work, program = (tmp_path / name for name in ("t.stl", "w.stl", "p.nc"))
+    scenes.write_stl(tool, TOOL)
+    scenes.write_stl(work, FLOOR)
+    program.write_text("G21 G90 G61\nG0 X10\nG1 X20 F1000\n")
+    ticks, ours = 0, threading.get_ident()
+
+    def monotonic():
+        # Another thread that looks, as often as it comes to, takes no time.
+        nonlocal ticks
+        ticks += threading.get_ident() == ours
+        return ticks / 400
+
+    for module in (watch_module, hal_module):
+        monkeypatch.setattr(module, "time", SimpleNamespace(monotonic=monotonic, sleep=lambda _: None))
+    # The board's time goes on only while it is asked.
+    line = SimulatedLine(SimulatedWire(top, CLOCKS_PER_SECOND))
+    monkeypatch.setattr(engine_module, "SerialLine", lambda _: line)
+    places = iter([*range(0, 21, 2), *[20] * 4])
+    go = []
+
+    class Stepped(HalPositions):
+        """The machine goes on a step whenever it is looked at, and runs until it is at the end."""
+
+        def __init__(self, rotary):
+            """Net all pins that are wanted."""
+            super().__init__(rotary)
+            machine.net("x", "y", "z", "running")
+            machine.pins["z"] = 40.0
+
+        def report(self):
+            """Go on."""
+            place = next(places, None)
+            machine.pins["running"] = place is not None
+            machine.pins["x"] = 20.0 if place is None else float(place)
+            go.append(machine.hal.get_value("triaxis.go"))
+            return super().report()
+
+    monkeypatch.setattr(watch_module, "HalPositions", Stepped)
+    arguments = [str(tool), str(work), str(program), "--port", line.name, "--hal", "--skip-self-test"]
+    arguments += ["--speed", "100", "--lag", "50", "--hold", "500", "--start", "0", "0", "40"]
+    assert main(["watch", *arguments, "--surfaces-only"]) == 0
+    assert "FOLLOWED: to the end of the program" in capsys.readouterr().out
+    assert go[0] is False and go[1:] == [True] * (len(go) - 1)
