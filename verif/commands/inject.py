@@ -11,7 +11,6 @@ from triaxis.host.cli import DONE, NO
 from triaxis.host.cli.arguments import add_seed, positive
 from triaxis.host.cli.terminal import print_list, progress_bar, table
 from triaxis.sim.paths import DUT
-from triaxis.verif.commands.results import keep
 from triaxis.verif.faults.catching import catch_all
 from triaxis.verif.faults.known_faults import FAULTS, Fault, faults_of
 from triaxis.verif.faults.result import FaultsResult, Outcome, write_json
@@ -26,6 +25,7 @@ from triaxis.verif.mutation.power import write_result as write_power
 from triaxis.verif.mutation.record import SEED, read_record, recorded, write_record
 from triaxis.verif.mutation.result import Fate, MutationResult, Tally, grouped, tally
 from triaxis.verif.mutation.run import CHANGED, EVIDENCE, mutate
+from triaxis.verif.results.database import keep
 from triaxis.verif.upsets.campaign import CONFIG, UPSETS, by_module, upset_board
 from triaxis.verif.upsets.campaign import tally as tally_upsets
 from triaxis.verif.upsets.campaign import write_result as write_upsets

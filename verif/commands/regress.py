@@ -14,7 +14,6 @@ from triaxis.host.cli.arguments import add_seed, natural, positive
 from triaxis.host.cli.terminal import print_list, progress_bar
 from triaxis.sim.configuration import parse_configuration
 from triaxis.sim.paths import DUT, rtl_sources
-from triaxis.verif.commands.results import keep
 from triaxis.verif.core.failing_pairs import read_failing
 from triaxis.verif.core.kept_cases import REGRESSIONS
 from triaxis.verif.counterexample.explaining import PICTURES, explain
@@ -28,6 +27,7 @@ from triaxis.verif.regress.launchers import LAUNCHERS, LOCAL
 from triaxis.verif.regress.outcome import Outcome
 from triaxis.verif.regress.reports import JUNIT, REPORT, RESULTS
 from triaxis.verif.regress.run import FOLDER, Request, regress
+from triaxis.verif.results.database import keep
 
 _SHOWN = 20
 _SECONDS_BETWEEN_LINES = 60.0

@@ -1,24 +1,14 @@
 """``triaxis results``: what became of all runs over time, as pages, tables, and in the browser."""
 
 import argparse
-import sys
 from pathlib import Path
 
-from triaxis.golden.errors import InputError
 from triaxis.host.cli import DONE
 from triaxis.host.cli.arguments import named_folder, natural
 from triaxis.verif.regress.definition import in_checkout
 from triaxis.verif.results.database import DATABASE, add_evidence, export_parquet
 from triaxis.verif.results.pages import FOLDER, write_pages
 from triaxis.verif.results.serving import server
-
-
-def keep(evidence: Path) -> None:
-    """Add what a run left to the database; where that cannot be, say so: the run's verdict stands."""
-    try:
-        add_evidence(evidence)
-    except InputError as error:
-        print(f"not among `triaxis results`: {error}", file=sys.stderr)
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:

@@ -13,10 +13,9 @@ from triaxis.host.cli import DONE, NO
 from triaxis.host.cli.arguments import add_seed
 from triaxis.host.cli.terminal import print_list, progress_bar, table
 from triaxis.sim.toolchain import verilator
-from triaxis.verif.commands.results import keep
 from triaxis.verif.core.detector_check import SEED_VECTORS
 from triaxis.verif.mutation.result import EVIDENCE as MUTATION
-from triaxis.verif.signoff.page import write
+from triaxis.verif.results.database import keep
 from triaxis.verif.signoff.plan import RESULT, VOLUME
 from triaxis.verif.signoff.result import Signoff
 from triaxis.verif.signoff.run import signoff, step_count
@@ -51,6 +50,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Run the sign-off, print its summary, and write its files."""
+    # Matplotlib loads where a page is to come; if it does not, that is told before anything runs.
+    from triaxis.verif.signoff.page import write
+
     if options.pairs < 1000:
         raise InputError(f"pairs {options.pairs}: must be at least 1000")
     print(f"sign-off with Verilator {verilator()}, seed {options.seed}", flush=True)

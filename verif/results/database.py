@@ -9,6 +9,7 @@ import io
 import json
 import re
 import sqlite3
+import sys
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import closing, contextmanager
 from datetime import datetime
@@ -130,6 +131,14 @@ def add_evidence(file: Path, path: Path = DATABASE) -> bool:
         for table in ("mutant", "noticed"):
             connection.execute(_OLDER.format(table), (*same, *same))
     return True
+
+
+def keep(file: Path, path: Path = DATABASE) -> None:
+    """Add what a run left; where that cannot be, say so: the run's verdict stands."""
+    try:
+        add_evidence(file, path)
+    except InputError as error:
+        print(f"not among `triaxis results`: {error}", file=sys.stderr)
 
 
 def _insert(connection: sqlite3.Connection, table: str, row: Content, how: str = "") -> int | None:

@@ -9,9 +9,6 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from io import StringIO
 
-from matplotlib.figure import Figure
-from matplotlib.ticker import MaxNLocator
-
 from triaxis.verif.upsets.builds import MEASURES
 
 _TOP = r"TOP\.nexys4ddr_top\."
@@ -120,6 +117,10 @@ def table(counts: Mapping[str, BlockCounts]) -> str:
 
 def plot(left: Mapping[str, int]) -> str:
     """Return a plot, SVG, of how many dangerous upsets are left as measures are added."""
+    # Matplotlib loads for a plot alone.
+    from matplotlib.figure import Figure
+    from matplotlib.ticker import MaxNLocator
+
     titles = {"none": "no measure", **{one.name: f"+ {one.title}" for one in MEASURES}}
     figure = Figure(figsize=(8.5, 0.9 + 0.32 * len(left)), layout="constrained")
     axes = figure.subplots()

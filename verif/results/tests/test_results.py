@@ -22,7 +22,7 @@ from triaxis.verif.regress.one_job import SOURCES
 from triaxis.verif.regress.records import State, write_record, write_state
 from triaxis.verif.regress.tests.test_regression_parts import FAILED, PASSED
 from triaxis.verif.results import pages, serving
-from triaxis.verif.results.database import add_evidence, export_parquet, opened
+from triaxis.verif.results.database import add_evidence, export_parquet, keep, opened
 from triaxis.verif.results.pages import INDEX, names, page, source_page, write_pages
 from triaxis.verif.results.serving import server
 from triaxis.verif.signoff.gate import SOURCES as SIGNED
@@ -241,13 +241,12 @@ def test_a_row_that_does_not_fit_takes_its_result_along(tmp_path):
     assert rows(path, "SELECT * FROM result") == []
 
 
-def test_a_damaged_database_is_told_and_no_runs_verdict(tmp_path, monkeypatch, capsys):
+def test_a_damaged_database_is_told_and_no_runs_verdict(tmp_path, capsys):
     path = tmp_path / "results.sqlite"
     path.write_text("this is no database, and long enough to be taken for one" * 9)
     with pytest.raises(InputError, match=r"results.sqlite: file is not a database: move it away"):
         page(INDEX, path)
-    monkeypatch.setattr(command, "add_evidence", lambda file: add_evidence(file, path))
-    command.keep(regression(tmp_path, 1))
+    keep(regression(tmp_path, 1), path)
     assert "not among `triaxis results`" in capsys.readouterr().err
 
 
