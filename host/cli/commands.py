@@ -355,13 +355,15 @@ def _remove_older(option: str, value: str, answer: Answer, others: list[str], al
 
 
 def withdraw_clear(words: list[str]) -> None:
-    """Say "unknown" in reports of a command that ended without an answer, though they say "clear"."""
+    """Say "unknown" in reports of a command that ended without an answer, though they say yes."""
     try:
         name, rest = find(words)
         answers = COMMANDS[name].answers
         for option, value in _named(answers, rest)[0].items():
             before, path = answers[option].before, Path(value)
-            if before is not None and path.is_file() and json.loads(path.read_bytes())["verdict"] == "clear":
+            if before is None or not path.is_file():
+                continue
+            if json.loads(path.read_bytes())["verdict"] in ("clear", "followed"):
                 write_whole(path, before)
     # What ended the command is to be told.
     except Exception:

@@ -242,7 +242,7 @@ def _wanted(options: argparse.Namespace, board: Board | None) -> Wanted:
     step = _STEPS * options.resolution if options.step is None else options.step
     return Wanted(
         options.clearance, options.resolution, step, options.scale, width_of(options, board),
-        options.distance == EUCLIDEAN,
+        options.distance == EUCLIDEAN, board.description.margin_bits if board else None,
     )  # fmt: skip
 
 

@@ -4,6 +4,7 @@ import argparse
 import sys
 import time
 from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import replace
 from fractions import Fraction
 from functools import partial
@@ -22,7 +23,9 @@ from triaxis.host.cli.terminal import progress_bar
 from triaxis.host.enclosure import State
 from triaxis.host.link.board import Board
 from triaxis.host.link.board_engine import BoardEngine
+from triaxis.host.link.exchange import LinkError
 from triaxis.host.link.hal import HalPositions
+from triaxis.host.link.messages import Description
 from triaxis.host.link.positions import Positions
 from triaxis.host.motion.contact import NOT_TRACKED, Setup
 from triaxis.host.motion.follow import (
@@ -78,6 +81,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         parser, "--lag", "MS",
         f"longest time from a position to the answer of the piece asked after it, in ms ({_LAG})", _LAG,
     )  # fmt: skip
+    add_numbers(
+        parser, "--age", "MS", "how old a position may be when it is read, in ms, of the lag (0)", Fraction(0)
+    )
     add_numbers(parser, "--braking", "B", "the way in which the machine stops, in mm (0)", Fraction(0))
     off = (
         "how far positions may be off the path, in mm, beyond what the program lets the control leave it by "
@@ -123,9 +129,14 @@ def run(options: argparse.Namespace) -> int:
     for name in ("length", "lag"):
         if getattr(options, name) <= 0:
             raise InputError(f"--{name}: must be more than 0: correct it")
-    for name in ("braking", "deviation"):
+    for name in ("age", "braking", "deviation"):
         if getattr(options, name) < 0:
             raise InputError(f"--{name}: must not be negative: correct it")
+    if options.age >= options.lag:
+        raise InputError(
+            f"--age {float(options.age):g}: must be less than --lag {float(options.lag):g}, which holds it: "
+            "correct them"
+        )
     if options.warn is not None and options.slow is None:
         raise InputError("--warn: is around the zone of --slow: give that, too")
     widths = [options.clearance, *_widths(options)]
@@ -145,8 +156,9 @@ def run(options: argparse.Namespace) -> int:
     with board_of(options) as board:
         assert board
         wanted = Wanted(
-            options.clearance, options.resolution, options.length, options.scale, width_of(options, board)
-        )
+            options.clearance, options.resolution, options.length, options.scale, width_of(options, board),
+            margin_bits=board.description.margin_bits,
+        )  # fmt: skip
         operations, widths = list[Operation](), _widths(options)
         with progress_bar("parts are cut", len(program.stretches)) as progress:
             for stretch, stock in zip(program.stretches, stocks, strict=True):
@@ -164,7 +176,7 @@ def run(options: argparse.Namespace) -> int:
             raise InputError(f"{program.path}: no line moves X, Y or Z: there is nothing to follow")
         check_told_apart(operations)
         for one in operations:
-            _check_zones(one.pieces, board.description.margin_bits)
+            _check_fit(one, board.description)
         ends = not (program.changes or program.moves[-1].turning)
         operations[-1] = replace(operations[-1], ends=ends)
         count = sum(len(one.pieces) for one in operations)
@@ -197,8 +209,13 @@ def run(options: argparse.Namespace) -> int:
             raise
         if page is not None and verdict != "followed":
             page.tell(stopped=stopped)
-    more = self_tested(options) | {"zones": _zones(options, operations)}
-    return _told(options, done, count, verdict, names, more)
+    positions = "hal" if options.hal else "simulated" if options.simulate else "lines"
+    more = self_tested(options) | {"positions": positions, "zones": _zones(options, operations)}
+    status = _told(options, done, count, verdict, names, more)
+    if options.picture is not None and names and done.near and done.place is not None:
+        one = next(one for one in operations if any(piece is done.near for piece in one.pieces))
+        _draw(options.picture, one, done.near, names, done.place)
+    return status
 
 
 def _widths(options: argparse.Namespace) -> list[Fraction]:
@@ -216,13 +233,13 @@ def _zones(options: argparse.Namespace, operations: Sequence[Operation]) -> list
     return entries
 
 
-def _check_zones(pieces: Sequence[Piece], bits: int) -> None:
-    """Raise InputError where a margin of the zones does not fit the board."""
-    if (most := max((0, *(width for piece in pieces for width in piece.zones)))) >= 1 << bits:
-        raise InputError(
-            f"--slow, --warn: a margin of {most} steps: the board's has {bits} bits, at most "
-            f"{(1 << bits) - 1}; use a coarser resolution, or leave them out"
-        )
+def _check_fit(one: Operation, board: Description) -> None:
+    """Raise InputError where meshes do not fit the board: before the machine starts, not in its middle."""
+    for mesh, side in ((one.scene.a, one.supervised.tool), (one.scene.b, one.supervised.work)):
+        if len(mesh) > board.depth:
+            raise InputError(
+                f"{side.name}: {len(mesh)} facets: the board holds {board.depth} a mesh; split or simplify it"
+            )
 
 
 def _follow(
@@ -254,10 +271,13 @@ def _through(
             on_board.load()
         if page is not None:
             page.show(*_shown(options, one))
-        start = f", with {one.tool.name} from line {one.pieces[0].line} on" if len(operations) > 1 else ""
-        start += f", at {one.words(one.angles)}" if one.machine.rotary else ""
-        print(f"ready: the machine may start where go is said{start}", flush=True)
         follower = Follower(scene, one.pieces, options.speed, options.lag / 1000, options.braking, one.ends)
+        start = place_words(one.scene.program.moves[0].start, NOWHERE)
+        start += f" {one.words(one.angles)}" if one.machine.rotary else ""
+        start += f", with {one.tool.name} from line {one.pieces[0].line} on" if len(operations) > 1 else ""
+        # The board has heard nothing for as long as that took.
+        board.status()
+        print(f"ready: the machine may start where go is said, at {start}", flush=True)
         if positions is None:
             tool_of = SimulatedTool(
                 scene.program, options.speed, time.monotonic, partial(getattr, on_board, "says_go")
@@ -265,8 +285,10 @@ def _through(
             report = tool_of.report
         else:
             several = len({id(other.tool) for other in operations}) > 1
-            report = partial(_as_expected, positions, one, follower, several)
-            if not _come_to_start(board, positions, one, follower, several, number > 0):
+            report = partial(_as_expected, positions, one, follower, several, float(options.age / 1000))
+            # Of a machine that turns, and of one whose pins are there before it is, no position is a mistake.
+            waits = number > 0 or bool(one.machine.rotary) or options.hal
+            if not _come_to_start(board, positions, one, follower, several, waits):
                 return done, "ended", None
         shown = (len(_widths(options)), done.asked, positions, page, options.lag / 1000)
         display = _Display(follower, scene, *shown)
@@ -274,16 +296,14 @@ def _through(
             permit, hold = on_board.permit, options.hold
             done.add(follow(follower, permit, report, time.monotonic, hold, display.seen, display.ahead))
         finally:
+            # What was permitted is over, before anybody is told of it.
+            with suppress(LinkError):
+                board.abort()
             display.nothing()
         if done.near:
-            names = one.near_objects(done.near)
-            if options.picture is not None and done.place is not None:
-                _draw(options.picture, one, done.near, names, done.place)
-            return done, "near", names
+            return done, "near", one.near_objects(done.near)
         if not follower.at_the_end:
             return done, "ended", None
-        # What was permitted is of this part: the next is entered under its own.
-        board.abort()
     return done, "followed", None
 
 
@@ -326,11 +346,11 @@ class _Display:
         # When go ends that was said last.
         self._lag, self._go_ends = float(lag), 0.0
 
-    def ahead(self, number: int, beyond: int) -> None:
+    def ahead(self, number: int, beyond: int, since: float) -> None:
         """Show what zone the tool may be in, where that changes, before a piece is asked about."""
         if self._pins is not None:
             # An answer that does not come in time says nothing any more.
-            self._pins.known_until(min(self._go_ends, time.monotonic() + self._lag))
+            self._pins.known_until(min(self._go_ends, since + self._lag))
             self._pins.beyond(beyond if self._zones else 0)
         if not self._zones or beyond == self._beyond:
             return
@@ -340,48 +360,49 @@ class _Display:
         if self._page is not None:
             self._page.tell(zone=zone)
 
-    def seen(self, number: int, hold: int, clear: bool, lag: float) -> None:
+    def seen(self, number: int, hold: int, clear: bool, since: float, answered: float) -> None:
         """Show what an answer was."""
         self._asked += 1
         if self._pins is not None:
-            self._go_ends = time.monotonic() + hold / 1000 if clear else 0.0
+            self._go_ends = answered + hold / 1000 if clear else 0.0
             self._pins.known_until(self._go_ends)
             self._pins.said(clear)
         if self._page is not None:
             self._page.tell(
                 position=_millimetres(self._scene, self._follower.place),
                 line=self._follower.pieces[number].line, hold=hold, verdict="clear" if clear else "near",
-                lag=round(1000 * lag, 1), asked=self._asked, permitted=self._follower.permitted,
+                lag=round(1000 * (answered - since), 1), asked=self._asked,
+                permitted=self._follower.permitted,
             )  # fmt: skip
 
     def nothing(self) -> None:
         """Show that from here on nothing is known."""
-        if self._zones and self._beyond is not None:
-            print("zone: unknown", flush=True)
         if self._pins is not None:
             self._pins.known_until(0.0)
         if self._page is not None and self._zones:
             self._page.tell(zone=None)
+        if self._zones and self._beyond is not None:
+            print("zone: unknown", flush=True)
 
 
 def _come_to_start(
-    board: Board, positions: Source, one: Operation, follower: Follower, several: bool, later: bool
+    board: Board, positions: Source, one: Operation, follower: Follower, several: bool, waits: bool
 ) -> bool:
-    """Wait until there is a position: of a later part, and where axes turn, of its tool, angles and start.
+    """Wait until there is a position; ``waits``: until it is of the part's tool, angles and start.
 
     ``several``: the program has several tools. Returns whether there is one. A board that hears nothing gives
     no go; until it is asked it says stop.
     """
     while not positions.wait(_ALIVE_SECONDS):
         board.status()
-    while later or one.machine.rotary:
+    while waits:
         here = positions.report()
         if here is None:
             return False
         _check_told(positions, several)
         try:
             if positions.tool in (None, one.tool.number) and one.stands(_angles(positions, one)):
-                follower.moved(here[0])
+                follower.moved(*here)
                 break
         except StrayedError:
             pass
@@ -407,30 +428,29 @@ def _angles(positions: Source, one: Operation) -> Vector:
     return positions.angles or NOWHERE
 
 
-def _as_expected(positions: Source, one: Operation, follower: Follower, several: bool) -> Report:
+def _as_expected(positions: Source, one: Operation, follower: Follower, several: bool, age: float) -> Report:
     """Return the last position; raise InputError where it is of another tool, or of other angles.
 
-    ``several``: the program has several tools. The tool of an STL file may have any number. At the end of a
-    part the next turn may have begun.
+    ``several``: the program has several tools; ``age``: seconds that a position is old when it is read, at
+    most. The tool of an STL file may have any number. At the end of a part the next turn may have begun, or
+    the change of the tool.
     """
     here = positions.report()
     if here is None:
         return None
     _check_told(positions, several)
+    position, since = here[0], here[1] - age
+    angles, wrong = _angles(positions, one), ""
     if one.machine.tools and positions.tool not in (None, one.tool.number):
-        raise InputError(
-            f"tool {positions.tool} is in the spindle, and not {one.tool.number}; the machine is stopped: "
-            "change it"
-        )
-    angles = _angles(positions, one)
-    if not one.stands(angles):
-        follower.moved(here[0])
+        wrong = f"tool {positions.tool} is in the spindle, and not {one.tool.number}"
+    elif not one.stands(angles):
+        wrong = f"axes are at {one.words(angles)}, not at {one.words(one.angles)}"
+    if wrong:
+        follower.moved(position, since)
         if follower.ends or not follower.at_the_end:
-            raise InputError(
-                f"axes are at {one.words(angles)}, not at {one.words(one.angles)}; the machine is stopped: "
-                "check them"
-            )
-    return here
+            raise InputError(f"{wrong}; the machine is stopped: correct it, and begin anew")
+        follower.is_over = True
+    return position, since
 
 
 def _told(

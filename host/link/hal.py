@@ -6,14 +6,15 @@
     net z-pos => triaxis.z
     net tool <= iocontrol.0.tool-number => triaxis.tool          s32, in: which one is in the spindle
     net a-pos => triaxis.a          float, in: A, B, C in degrees, where the machine file has that axis
-    net running <= halui.program.is-running => triaxis.running   bit, in: false after true is the end
+    net running <= halui.program.is-running => triaxis.running   bit, in: in a pause it is false, too
+    net idle <= halui.program.is-idle => triaxis.idle            bit, in: true again at the end
     triaxis.go                      bit, out: what the last answer said, for people: no permission
     triaxis.full-speed              bit, out: the tool is beyond the zone of --slow, wherever it may be
     triaxis.quiet                   bit, out: and beyond that of --warn
     triaxis.beat                    bit, out: another with each answer, for HAL's component watchdog
 
-A pin that nothing writes reads 0: until x, y, z, running, and those of a, b, c that turn, are netted, there
-is no position, and no go.
+A pin that nothing writes reads 0: until x, y, z, running, idle, and those of a, b, c that turn, are netted,
+there is no position, and no go.
 """
 
 import math
@@ -70,7 +71,8 @@ class HalPositions:
             for name in _PLACE:
                 self._component.newpin(name, kinds.HAL_FLOAT, kinds.HAL_IN)
             self._component.newpin("tool", kinds.HAL_S32, kinds.HAL_IN)
-            self._component.newpin("running", kinds.HAL_BIT, kinds.HAL_IN)
+            for name in ("running", "idle"):
+                self._component.newpin(name, kinds.HAL_BIT, kinds.HAL_IN)
             for name in ("go", *_BEYOND, "beat"):
                 self._component.newpin(name, kinds.HAL_BIT, kinds.HAL_OUT)
             self._component.ready()
@@ -83,7 +85,7 @@ class HalPositions:
         self._clearing = threading.Thread(target=self._clear_in_time, daemon=True)
         self._clearing.start()
         self._has_run = False
-        self._wanted = {"x", "y", "z", "running", *map(str.lower, rotary)}
+        self._wanted = {"x", "y", "z", "running", "idle", *map(str.lower, rotary)}
         self.angles: Vector | None = None
 
     @property
@@ -112,8 +114,9 @@ class HalPositions:
         """
         if missing := [name for name in sorted(self._wanted) if not self._netted(name)]:
             raise InputError(f"{NAME}.{missing[0]}: nothing writes this pin any more: the machine is stopped")
-        running = bool(self._component["running"])
-        if self._has_run and not running:
+        # One is written before the other, whichever way they change.
+        idle, running = bool(self._component["idle"]), bool(self._component["running"])
+        if self._has_run and idle and not running:
             return None
         self._has_run |= running
         since, place = self._place()
@@ -139,8 +142,12 @@ class HalPositions:
             self._clear_where_over()
             self._changed.notify()
 
+    @property
+    def _over(self) -> bool:
+        return time.monotonic() >= self._known
+
     def _clear_where_over(self) -> None:
-        if time.monotonic() >= self._known:
+        if self._over:
             for name in ("go", *_BEYOND):
                 self._component[name] = False
 
@@ -154,16 +161,15 @@ class HalPositions:
     def said(self, go: bool) -> None:
         """Show on the pin what an answer was, for as long as that is known, and that there was one."""
         with self._changed:
-            self._component["go"] = go
+            self._component["go"] = go and not self._over
             self._component["beat"] = not self._component["beat"]
-            self._clear_where_over()
 
     def beyond(self, zones: int) -> None:
         """Show on the pins how many zones the tool is beyond, for as long as that is known."""
         with self._changed:
+            known = not self._over
             for number, name in enumerate(_BEYOND):
-                self._component[name] = zones > number
-            self._clear_where_over()
+                self._component[name] = known and zones > number
 
     def close(self) -> None:
         """Take the component away; nothing is permitted any more."""

@@ -30,7 +30,7 @@ State = IntEnum("State", "IDLE RUNNING DONE", start=0)
 RunEnd = IntEnum("RunEnd", "NONE COMPLETE FIRST ABORTED OVERFLOW OVERFULL BAD_MODE FAULT", start=0)
 # What a run tries, so that a check is seen to work; and of which memory, for TrialKind.MEMORY.
 TrialKind = IntEnum("TrialKind", "NOTHING CLAIM PARITY NUMBER MEMORY WALK INTAKE BOARD", start=0)
-Memory = IntEnum("Memory", "GROUPS_A GROUPS_B BOXES_A BOXES_B TRIANGLES", start=0)
+Memory = IntEnum("Memory", "GROUPS_A GROUPS_B BOXES_A BOXES_B TRIANGLES_A TRIANGLES_B", start=0)
 WHICHES = 32
 # Of TrialKind.MEMORY from the one on: a memory where it is scrubbed, after the run; from the other on a
 # comparison of the scrub itself.

@@ -18,6 +18,8 @@ _NUMBER = re.compile(r"[+-]?(\d{1,20}\.?\d{0,40}|\.\d{1,40})([eE][+-]?\d\d?)?", 
 Position = tuple[Vector, int | None, Vector | None]
 # Bytes that are read at a time: as many as a pipe holds.
 _PART = 1 << 16
+# In which another line comes, most likely, of a control that writes as often as it can.
+_SOON_SECONDS = 0.002
 
 
 class Positions:
@@ -54,27 +56,42 @@ class Positions:
             self._changed.notify()
 
     def _arrived(self) -> Iterator[tuple[Position, float]]:
-        """Yield the last position of all lines that are there, and a time before they were read.
+        """Yield the last position of all lines that are there, and a time at which it was not written yet.
 
-        Of lines that waited, as this process did not run, the last alone is where the tool is.
+        Lines that waited, as this process did not run or a control writes faster than they are read, came
+        after what was read before; the first of them may have been on its way for as long as that took. So
+        they are passed over where others are about to come.
         """
-        rest, last = b"", None
+        last: tuple[Position, float] | None = None
+        # What has come of a line, and the time of that.
+        rest, begun, waited = b"", 0.0, False
+        earlier = now = time.monotonic()
         while True:
-            select.select([self._descriptor], [], [])
-            since = time.monotonic()
-            part = os.read(self._descriptor, _PART)
-            *lines, rest = (rest + part).split(b"\n")
-            for line in lines:
-                last = read_position(line.decode(errors="replace"))
-            # Where as many came as a pipe holds, there may be more.
-            if last is not None and len(part) < _PART:
-                yield last, since
+            waits = self._is_there(0)
+            if last is not None and (waited if waits else not (waited and self._is_there(_SOON_SECONDS))):
+                yield last
                 last = None
+            if not waits:
+                self._is_there(None)
+            waited, since = waits, earlier if waits else time.monotonic()
+            part = os.read(self._descriptor, _PART)
+            earlier, now = now, time.monotonic()
+            *lines, left = (rest + part).split(b"\n")
+            for number, line in enumerate(lines):
+                position = read_position(line.decode(errors="replace"))
+                last = position, since if number or not rest else begun
             # What has no end is cut off.
             if not part:
+                if last is not None:
+                    yield last
                 return
+            rest, begun = left, since if lines or not rest else begun
             if len(rest) > _PART:
                 raise InputError("positions: a line without an end; the machine is stopped")
+
+    def _is_there(self, seconds: float | None) -> bool:
+        """Return whether there is something to read within a time, None for any."""
+        return bool(select.select([self._descriptor], [], [], seconds)[0])
 
     def wait(self, seconds: float) -> bool:
         """Return whether a position has come, or none will, within a time."""

@@ -33,13 +33,17 @@ from triaxis.golden.errors import InputError
 from triaxis.golden.exact import Rational
 from triaxis.host.engines import SceneEngine, Translation
 from triaxis.host.motion.moves import Program
-from triaxis.host.motion.path_scene import GridPoint, PathScene, Segment, nearest, upwards
+from triaxis.host.motion.path_scene import GridPoint, PathScene, Segment, nearest
 from triaxis.host.quantise import Vector, vector
 
 # How often a piece of a rapid is halved, at most, to see which zones it is beyond.
 _HALVINGS = 8
 # Milliseconds that a hold can have; what is asked for where the tool cannot leave the program any more.
 LONGEST = 65_535
+# For so long at least a tool is seen to stand at the end of a part: one that feeds slowly is not there yet.
+_STANDS_SECONDS = 0.1
+# Of a curve, places that it goes to besides its end.
+_QUARTERS = (Rational(1, 4), Rational(1, 2), Rational(3, 4))
 
 
 class StrayedError(InputError):
@@ -48,6 +52,17 @@ class StrayedError(InputError):
 
 class LateError(InputError):
     """An answer does not come in the time that the tool leaves it."""
+
+
+class DisagreementError(InputError):
+    """The board and the host do not say the same of the same pose, meshes and margin."""
+
+    def __init__(self, line: int, board: str, host: str) -> None:
+        """Say which says what, before a line."""
+        super().__init__(
+            f"line {line}: {board} to the board, and {host} to the host, by the same pose and margin: one of "
+            "them is wrong; the machine is stopped: do not use the board"
+        )
 
 
 @dataclass(frozen=True)
@@ -267,10 +282,14 @@ class Follower:
         self._first = self._last = 0
         self._place = scene.place(scene.program.moves[0].start)
         self._slack = Rational(max(move.slack for move in scene.program.moves) / scene.wanted.resolution)
-        # How far the path goes from its end at least, and the tool was seen from there.
-        end = np.array(nearest(found[-1].end))
-        self._far = int(np.abs(scene.extents - end).max()) - upwards(self._slack) - 2
-        self._away = Rational(0)
+        # The move that the tool has come to at least, and how far it has come in that, 0..1.
+        self._move, self._part = 0, Rational(0)
+        # When it was looked at last, the longest time between two looks, and since when it has stood where.
+        self._looked: float | None = None
+        self._longest_look = 0.0
+        self._stood, self._stood_since = self._place, 0.0
+        # What comes after the last piece was seen to have begun.
+        self.is_over = False
 
     @property
     def place(self) -> GridPoint:
@@ -279,20 +298,40 @@ class Follower:
 
     @property
     def at_the_end(self) -> bool:
-        """Return whether the tool is at the end of the path, and has no piece before it that is elsewhere.
+        """Return whether the tool is at the end of the path, and not where it only passes over that.
 
-        Where a path goes away from there and comes back, it has been away as far, but for what it may go
-        between two looks, of which each is at most a lag old and a lag after the last.
+        From where it has come to at least, the path goes away from there no more, but for what a tool could
+        do between two looks, there and back.
         """
-        rest, here = self.pieces[self._first :], self._slack + 1
-        if self.permitted < len(self.pieces) or _apart(self._place, self.pieces[-1].end) > here:
+        end, here = self.pieces[-1].end, self._slack + 1
+        if self.permitted < len(self.pieces) or _apart(self._place, end) > here:
             return False
-        unseen = 2 * Rational(self.lag) * self._steps_a_second + 2 * self._slack
-        been = self._far <= here or (self._away > here and self._away >= self._far - unseen)
-        return been and all(one.holds(self._place) for one in rest)
+        most = here + 2 * self._slack + self._steps_a_second * Rational(self._longest_look) / 2
+        moves = self.scene.program.moves
+        return not any(
+            _apart(place, end) > most
+            for number in range(self._move, len(moves))
+            for place in self._still_to_come(number)
+        )
 
-    def moved(self, position: Vector) -> None:
-        """Take where the tool is, in millimetres; raise StrayedError where it may not be."""
+    @property
+    def is_done(self) -> bool:
+        """Return whether the tool stands at the end, or has left it for what comes after the last piece."""
+        if self.ends or not self.at_the_end:
+            return False
+        stood = (self._looked or 0.0) - self._stood_since
+        return self.is_over or stood >= max(_STANDS_SECONDS, self.lag)
+
+    def _still_to_come(self, number: int) -> Iterator[GridPoint]:
+        """Yield places that a move goes to from where the tool is at least."""
+        segment = self.scene.segment(self.scene.program.moves[number])
+        yield segment.end
+        if segment.curve is not None:
+            come = self._part if number == self._move else Rational(0)
+            yield from (segment.curve[0](part) for part in _QUARTERS if part > come)
+
+    def moved(self, position: Vector, since: float = 0.0) -> None:
+        """Take where the tool is, in millimetres, at a second; raise StrayedError where it may not be."""
         place = self.scene.place(position)
         among = range(self._first, max(self.permitted, 1))
         held = [number for number in among if self._is_in(self.pieces[number], place)]
@@ -305,7 +344,29 @@ class Follower:
                 "--deviation, or begin anew"
             )
         self._first, self._last, self._place = held[0], held[-1], place
-        self._away = max(self._away, _apart(place, self.pieces[-1].end))
+        if self._looked is not None:
+            self._longest_look = max(self._longest_look, since - self._looked)
+        if self._looked is None or _apart(place, self._stood) > 1:
+            self._stood, self._stood_since = place, since
+        self._looked = since
+        self._come(place)
+
+    def _come(self, place: GridPoint) -> None:
+        """Take that the tool is at a place of the pieces that it may be in, in the program's order."""
+        if self.pieces[self._first].moves.start > self._move:
+            self._move, self._part = self.pieces[self._first].moves.start, Rational(0)
+        for number in self._close(range(self._move, self.pieces[self._last].moves.stop), place):
+            come = self._part if number == self._move else Rational(0)
+            part = _reached(place, self.scene.segment(self.scene.program.moves[number]), come)
+            if part is not None:
+                self._move, self._part = number, part
+                return
+
+    def _close(self, moves: range, place: GridPoint) -> list[int]:
+        """Return those of some moves whose boxes hold a place, nearly."""
+        boxes, here = self.scene.extents[moves.start : moves.stop], np.array(nearest(place))
+        close = ((boxes[:, 0] <= here + 1) & (here - 1 <= boxes[:, 1])).all(1)
+        return (moves.start + np.flatnonzero(close)).tolist()
 
     def _is_in(self, piece: Piece, place: GridPoint) -> bool:
         """Return whether a place is one of a piece's path, and not only covered by its sample."""
@@ -313,13 +374,10 @@ class Follower:
             return False
         if piece.rapid is not None:
             return True
-        boxes = self.scene.extents[piece.moves.start : piece.moves.stop]
-        here = np.array(nearest(place))
-        close = ((boxes[:, 0] <= here + 1) & (here - 1 <= boxes[:, 1])).all(1)
-        for number in np.flatnonzero(close).tolist():
-            if _on_path(place, self.scene.segment(self.scene.program.moves[piece.moves[number]])):
-                return True
-        return False
+        # Where the tool has come to, mostly: a piece may have thousands of moves.
+        close = sorted(self._close(piece.moves, place), key=lambda number: number < self._move)
+        segments = (self.scene.segment(self.scene.program.moves[number]) for number in close)
+        return any(_reached(place, segment) is not None for segment in segments)
 
     def hold(self, number: int) -> int:
         """Return how many milliseconds the tool cannot leave the pieces up to that one; or 0 or less.
@@ -395,20 +453,32 @@ class Follower:
         return way + min((_gap(piece.start, one) for one in others), default=Rational(0))
 
 
-def _on_path(place: GridPoint, segment: Segment) -> bool:
-    """Return whether a place is on a segment but for its slack, and, where that is a curve, two steps."""
+def _reached(place: GridPoint, segment: Segment, come: Rational = Rational(0)) -> Rational | None:  # noqa: B008
+    """Return how far in its move, 0..1, a tool has come at least that is on a segment, and had come that far.
+
+    None where the place is not on the segment but for its slack and, where that is a curve, two steps, or is
+    behind. In a box in which no axis turns back, it is that of the axis that has come furthest.
+    """
     most = segment.sag + segment.slack
-    first, last = Rational(0), Rational(1)
+    near, far = [Rational(0)], [Rational(1)]
     for x, a, b in zip(place, segment.start, segment.end, strict=True):
         if not min(a, b) - most <= x <= max(a, b) + most:
-            return False
-        if a != b and not segment.between:
+            return None
+        if a != b:
             # Which part of the chord is that near in this coordinate.
-            near, far = sorted(((x - most - a) / (b - a), (x + most - a) / (b - a)))
-            first, last = max(first, near), min(last, far)
-    if first > last or segment.sag <= 1:
-        return first <= last
-    return any(_on_path(place, half) for half in segment.halves())
+            ends = sorted(((x - most - a) / (b - a), (x + most - a) / (b - a)))
+            near.append(ends[0])
+            far.append(ends[1])
+    first = max(near)
+    last = max(far[1:], default=far[0]) if segment.between else min(far)
+    whole = segment.last - segment.first
+    if (first > last and not segment.between) or segment.first + last * whole < come:
+        return None
+    if segment.sag <= 1:
+        return max(come, segment.first + min(first, Rational(1)) * whole)
+    return next(
+        (part for half in segment.halves() if (part := _reached(place, half, come)) is not None), None
+    )
 
 
 def _gap(place: GridPoint, piece: Piece) -> Rational:
@@ -446,10 +516,12 @@ class Followed:
         return self
 
 
-# Of an answer: the number of its piece, the hold in milliseconds, whether it is clear, the lag in seconds.
-Seen = Callable[[int, int, bool, float], None]
-# Before a question: the number of its piece, and how many zones the tool is beyond until the next.
-Ahead = Callable[[int, int], None]
+# Of an answer: the number of its piece, the hold in milliseconds, whether it is clear, and the seconds from
+# when to when it took.
+Seen = Callable[[int, int, bool, float, float], None]
+# Before a question: the number of its piece, how many zones the tool is beyond until the next, and the second
+# at which it was where that rests on.
+Ahead = Callable[[int, int, float], None]
 # Where the tool is, in millimetres, and at which second of `now` it was so; None: the machine has ended.
 Report = tuple[Vector, float] | None
 # So many times the hold that is aimed at is permitted ahead.
@@ -474,8 +546,16 @@ def follow(
     ``permit``: asks about a pose, a margin, a hold and zones (`BoardEngine.permit`); ``longest``: the hold
     that is aimed at, in milliseconds, and never exceeded; ``ahead`` is told of zones before the board is
     asked, ``seen`` of each answer. Raises StrayedError, and LateError where an answer takes, or could take,
-    longer than the tool may stay, or longer than go is said for certain.
+    longer than the tool may stay, or longer than go is said for certain; DisagreementError where the board
+    says clear of a piece that was near when it was cut.
     """
+
+    def check_lag(since: float, until: float) -> None:
+        if until - since > follower.lag:
+            raise LateError(
+                f"an answer came {until - since:.3g} s after its position, --lag is {float(follower.lag):g} s"
+            )
+
     done = Followed()
     # Until when the last answer counts at least.
     until = 0.0
@@ -485,19 +565,18 @@ def follow(
             done.permitted = follower.permitted
             return done
         position, since = here
-        follower.moved(position)
-        if not follower.ends and follower.at_the_end:
+        follower.moved(position, since)
+        if follower.is_done:
             done.permitted = follower.permitted
             return done
         number = follower.next(_AHEAD * longest)
         left = int(1000 * (until - since - float(follower.lag)) // 1)
         hold = min(max(follower.hold(number), left), longest)
         piece = follower.pieces[number]
-        if now() - since > follower.lag:
-            raise _late(now() - since, follower)
+        check_lag(since, now())
         if piece.beside is not None:
             # The board knows nothing of it: what it permitted before ends by itself.
-            seen(number, 0, False, now() - since)
+            seen(number, 0, False, since, now())
             return done.refused(follower, piece)
         if hold < 1:
             raise LateError(
@@ -506,26 +585,26 @@ def follow(
                 "move, use a larger --length, a lower --speed, a shorter --lag or --braking"
             )
         beyond = follower.beyond(number, hold)
-        ahead(number, beyond)
+        ahead(number, beyond, since)
+        # Whom it is told may take his time; a question would begin go anew, of where the tool was.
+        check_lag(since, now())
         said, until = until if follower.permitted else None, now() + hold / 1000
         clear = permit(piece.sample, piece.margin, hold, piece.asked(beyond))
-        lag = now() - since
+        answered = now()
         done.asked += 1
-        done.longest_lag, done.shortest_hold = max(done.longest_lag, lag), min(done.shortest_hold, hold)
+        done.longest_lag = max(done.longest_lag, answered - since)
+        done.shortest_hold = min(done.shortest_hold, hold)
         if not clear:
-            seen(number, hold, clear, lag)
+            seen(number, hold, clear, since, answered)
             return done.refused(follower, piece)
-        if lag > follower.lag:
-            raise _late(lag, follower)
+        if piece.near:
+            raise DisagreementError(piece.line, "clear", "near")
+        check_lag(since, answered)
         if said is not None and now() > said:
             # Go may have ended meanwhile, and begun again.
             raise LateError(f"line {piece.line}: the permission before was not renewed within its time")
         follower.permit(number)
-        seen(number, hold, clear, lag)
-
-
-def _late(lag: float, follower: Follower) -> LateError:
-    return LateError(f"an answer came {lag:.3g} s after its position, --lag is {float(follower.lag):g} s")
+        seen(number, hold, clear, since, answered)
 
 
 class SimulatedTool:

@@ -13,7 +13,7 @@ from triaxis.golden.errors import InputError
 from triaxis.host.enclosure import Enclosure
 from triaxis.host.engines import SceneEngine, unwatched
 from triaxis.host.motion.contact import Rule, Setup, rules_of
-from triaxis.host.motion.follow import Piece, pieces
+from triaxis.host.motion.follow import DisagreementError, Piece, pieces
 from triaxis.host.motion.kinematics import ROTARY
 from triaxis.host.motion.machine import Machine, Tool
 from triaxis.host.motion.moves import Program
@@ -110,11 +110,16 @@ class Operation:
                 yield beside.insides, beside.rule.files, beside.rule.names
 
     def near_objects(self, piece: Piece) -> Names:
-        """Return two objects that are near in a piece, by the engine that cut it."""
+        """Return two objects that are near in a piece, by the engine that cut it.
+
+        Raises DisagreementError where that finds none.
+        """
         if piece.beside is not None:
             return piece.beside
         near = self.engine.run(piece.sample, piece.margin, stop_at_first=True).near
-        a, b = map(int, near[0]) if len(near) else (0, 0)
+        if not len(near):
+            raise DisagreementError(piece.line, "near", "clear")
+        a, b = map(int, near[0])
         return self.supervised.tool.named(a), self.supervised.work.named(b)
 
 

@@ -197,8 +197,11 @@ Corners = tuple[list[int], list[int]]
 
 @dataclass(frozen=True)
 class Wanted:
-    """What is asked of a path, in millimetres. ``step``: the longest segment on which a near pose ends the
-    check."""
+    """What is asked of a path, in millimetres.
+
+    ``step``: the longest segment on which a near pose ends the check; ``margin_bits``: of the engine, where
+    these are not its width.
+    """
 
     clearance: Fraction
     resolution: Fraction
@@ -206,6 +209,7 @@ class Wanted:
     scale: Fraction
     width: int | None
     euclidean: bool = False
+    margin_bits: int | None = None
 
 
 @dataclass(frozen=True)
@@ -236,7 +240,7 @@ class PathScene:
     @property
     def largest_margin(self) -> int:
         """Return the largest margin of the engine."""
-        return (1 << self.grid.width) - 1
+        return (1 << (self.wanted.margin_bits or self.grid.width)) - 1
 
     def within(self, clearance: Fraction) -> "PathScene":
         """Return the same with another clearance, in millimetres; raise InputError where it does not fit."""
@@ -349,7 +353,7 @@ def _check_margin(scene: PathScene) -> None:
     if needed > scene.largest_margin:
         raise InputError(
             f"clearance {float(scene.wanted.clearance):g} with step {float(scene.wanted.step):g}: a margin "
-            f"of {needed} grid steps, but width {scene.grid.width} allows {scene.largest_margin}; use a "
+            f"of {needed} grid steps, but the engine's is at most {scene.largest_margin}; use a "
             "coarser resolution, a smaller step or a larger width"
         )
 

@@ -1,5 +1,6 @@
 """A machine is followed through a program: where it may be, for how long, and what stops it."""
 
+import re
 from contextlib import nullcontext
 from copy import copy
 from dataclasses import replace
@@ -13,7 +14,6 @@ import pytest
 
 from triaxis.golden.errors import InputError
 from triaxis.golden.exact import Rational
-from triaxis.host.cli import watch as watch_module
 from triaxis.host.cli.engine import checkout_id
 from triaxis.host.engines import BULK, scene_engine
 from triaxis.host.link.board import Board
@@ -22,6 +22,7 @@ from triaxis.host.link.exchange import LinkError
 from triaxis.host.link.messages import ZONES as ZONE_FLAGS
 from triaxis.host.motion.follow import (
     LONGEST,
+    DisagreementError,
     Follower,
     LateError,
     SimulatedTool,
@@ -119,6 +120,61 @@ def test_every_place_of_the_path_is_in_a_piece_and_they_come_in_order(program, r
                 follower.moved(vector(c + d for c, d in zip(place, off_path(move, rng), strict=True)))
         # It ends where it began.
         assert follower.at_the_end
+
+
+@pytest.mark.parametrize(
+    "lines",
+    [
+        "G1 X10 F900\nX0\nX10\nX0", "G1 Z38 F900\nZ34\nZ38\nZ35\nZ30\nZ38", "G1 X-9 F900\nX9\nX0",
+        "G0 Z35\nZ40", "G0 X9 Y9\nX0 Y0", "G2 X0 Y0 I10 F900", "G2 X0 Y0 I10 F900\nG2 X0 Y0 I10",
+        "G5 X60 I100 J0 P-100 Q90 F900\nG1 X61",
+    ],
+    ids=["laps", "pecks", "passed by", "rapids", "oblique rapids", "circle", "circles", "spline"],
+)  # fmt: skip
+def test_a_path_ends_where_it_ends_and_not_where_it_passes_over_that(lines, tmp_path):
+    path = tmp_path / "program.nc"
+    path.write_text(f"G21 G90 G61\n{lines}\n")
+    scene = scene_of(path)
+    moves = tuple(replace(move, slack=Fraction(1, 100)) for move in scene.program.moves)
+    scene = replace(scene, program=replace(scene.program, moves=moves))
+    follower = Follower(scene, cut(scene), SPEED, LAG)
+    follower.permitted = len(follower.pieces)
+    looks = [move.at(Fraction(k, 40)) for move in moves for k in range(40)]
+    for number, look in enumerate([*looks, moves[-1].end]):
+        follower.moved(look, number / 1000)
+        apart = max(abs(a - b) for a, b in zip(look, moves[-1].end, strict=True))
+        assert follower.at_the_end == (number >= len(looks) - 1 and apart <= Fraction(2, 100)), number
+
+
+def test_a_part_is_over_when_the_tool_stands_at_its_end(tmp_path):
+    """And not as soon as it is as near to that as positions may be off."""
+    path = tmp_path / "program.nc"
+    path.write_text("G21 G90 G61\nG1 Z30 F600\n")
+    scene = scene_of(path)
+    moves = tuple(replace(move, slack=Fraction(1, 2)) for move in scene.program.moves)
+    scene = replace(scene, program=replace(scene.program, moves=moves))
+    follower = Follower(scene, cut(scene), SPEED, LAG, ends=False)
+    follower.permitted = len(follower.pieces)
+    over = []
+    for number in range(130):
+        # By 10 mm/s, a look each 10 ms.
+        place = vector((Fraction(0), Fraction(0), max(Fraction(30), 40 - Fraction(number, 10))))
+        follower.moved(place, number / 100)
+        over.append(follower.is_done)
+    assert over.index(True) == 100 + 10 and all(over[110:])
+    follower.is_over = True
+    assert follower.is_done
+
+
+def test_a_board_that_finds_clear_what_was_near_is_not_believed(program):
+    scene = scene_of(program, np.concatenate([FLOOR, POST]))
+    follower = Follower(scene, cut(scene), SPEED, LAG)
+    near = next(number for number, piece in enumerate(follower.pieces) if piece.near)
+    tool = iter(piece.start for piece in follower.pieces)
+    places = (scene.path.position(place) for place in tool)
+    with pytest.raises(DisagreementError, match="line 4: clear to the board, and near to the host"):
+        follow(follower, lambda *_: True, lambda: (next(places), 0.0), lambda: 0.0, 200)
+    assert follower.permitted == near
 
 
 def test_a_tool_that_is_off_its_path_is_stopped_at_once(program, rng):
@@ -304,14 +360,20 @@ def test_what_is_beside_the_board_in_a_zone_is_not_asked_of_it(program):
     assert any(piece.asked(2)[0] for piece in found)
 
 
-def test_a_margin_of_a_zone_that_the_board_does_not_have_is_refused_before_the_start(program):
-    found = cut_for_zones(scene_of(program, BESIDE))
-    most = max(width for piece in found for width in piece.zones)
-    bits = most.bit_length()
-    watch_module._check_zones(found, bits)
-    with pytest.raises(InputError, match=f"a margin of {most} steps: the board's has {bits - 1} bits"):
-        watch_module._check_zones(found, bits - 1)
-    watch_module._check_zones(cut(scene_of(program)), 0)
+def test_margins_are_those_that_the_board_has(program):
+    """Pieces are as short as these need, and what fits no piece is refused before the machine starts."""
+    scene = scene_of(program, BESIDE)
+    most = {}
+    for bits in (16, 11, 10, 9):
+        narrow = replace(scene, wanted=replace(scene.wanted, margin_bits=bits))
+        try:
+            found = cut_for_zones(narrow)
+        except InputError as error:
+            assert re.search(r"a margin of \d+ .*, .* at most 511", str(error))
+            assert bits == 9
+            continue
+        most[bits] = max(max(piece.margin, *piece.zones, 0) for piece in found)
+    assert 1 << 11 > most[16] > most[10] and most[11] == most[16] and most[10] < 1 << 10
 
 
 @pytest.mark.long
@@ -333,7 +395,7 @@ def test_a_zone_is_told_before_the_tool_can_be_there_and_until_it_has_left(progr
             assert here is None or all(apart(scene, here[0]) > width for width in ZONES[: told[-1]])
         return clock.permit(translation, margin, hold)
 
-    follow(follower, permit, tool.report, clock.now, 200, ahead=lambda _, beyond: told.append(beyond))
+    follow(follower, permit, tool.report, clock.now, 200, ahead=lambda _, beyond, __: told.append(beyond))
     assert set(told) == {0, 1, 2} and told[0] == told[-1] == 2
 
 
@@ -477,7 +539,9 @@ def test_the_board_says_by_pins_that_the_tool_is_beyond_a_zone(lines, work, all_
         asked.append(zones)
         return case.permit(translation, margin, hold, zones)
 
-    done = follow(case.follower, permit, report, case.now, 200, ahead=lambda _, beyond: told.append(beyond))
+    done = follow(
+        case.follower, permit, report, case.now, 200, ahead=lambda _, beyond, __: told.append(beyond)
+    )
     assert (done.near, done.permitted) == (None, len(case.follower.pieces))
     assert said == all_said
     # The rapid is beyond both, part by part, and the board is asked about the first.

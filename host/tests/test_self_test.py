@@ -67,7 +67,7 @@ def test_every_kind_is_tried_and_what_is_one_of_many_changes():
     for tried in found:
         assert tried[0] == (TrialKind.NOTHING, 0)
         count = Counter(kind for kind, _ in tried[1:])
-        assert count == {**dict.fromkeys(list(TrialKind)[1:], 1), TrialKind.MEMORY: 11, TrialKind.BOARD: 2}
+        assert count == {**dict.fromkeys(list(TrialKind)[1:], 1), TrialKind.MEMORY: 13, TrialKind.BOARD: 2}
         assert {(TrialKind.MEMORY, first + memory) for first in (0, SCRUB) for memory in Memory} < set(tried)
         assert (TrialKind.BOARD, WHICHES - 1) in tried
     memories = {one for tried in found for one in tried if one[0] == TrialKind.MEMORY}

@@ -1,6 +1,7 @@
 """`watch`: the command, its positions, LinuxCNC's HAL."""
 
 import os
+import re
 import shutil
 import subprocess
 import tempfile
@@ -113,6 +114,46 @@ def test_of_positions_that_waited_the_last_is_taken():
     os.close(start)
 
 
+@pytest.mark.parametrize(
+    ("arriving", "reported"),
+    [
+        # What comes while it is waited for.
+        ([(1, b"1 0 0\n"), (1, b"2 0 0\n")], [(1, 1), (2, 2.5)]),
+        # What was there as soon as the one before was read, another moment after it: the last alone counts.
+        ([(1, b"1 0 0\n"), (0, b"2 0 0\n3 0 0\n"), (0.001, b"4 0 0\n")], [(4, 2.001)]),
+        # No other comes soon: it may be as old as all that was read before.
+        ([(1, b"1 0 0\n"), (0, b"2 0 0\n"), (1, b"3 0 0\n")], [(2, 0), (3, 3)]),
+        # A control that is never waited for.
+        ([(1, b"1 0 0\n"), (0, b"2 0 0\n"), (0, b"3 0 0\n"), (1, b"4 0 0\n")], [(2, 0), (3, 1.5), (4, 3.5)]),
+    ],
+)
+def test_a_position_is_no_newer_than_is_known(arriving, reported, monkeypatch):
+    """A line takes half a second to read; with each, the seconds that pass before it comes."""
+    clock, left = [0.0], list(arriving)
+
+    def is_there(_, seconds):
+        wait = left[0][0] if left else 0
+        if not wait:
+            return True
+        if seconds is not None and seconds < wait:
+            return False
+        clock[0] += wait
+        left[0] = 0, left[0][1]
+        return True
+
+    def read(*_):
+        clock[0] += 0.5
+        return left.pop(0)[1] if left else b""
+
+    monkeypatch.setattr(positions.Positions, "_is_there", is_there)
+    monkeypatch.setattr(positions, "os", SimpleNamespace(read=read))
+    monkeypatch.setattr(positions, "time", SimpleNamespace(monotonic=lambda: clock[0]))
+    reader = object.__new__(Positions)
+    reader._descriptor = -1
+    found = [(int(position[0][0]), since) for position, since in reader._arrived()]
+    assert found == reported
+
+
 def test_a_line_without_an_end_is_no_position(monkeypatch):
     monkeypatch.setattr(positions, "_PART", 100)
     with pytest.raises(InputError, match="a line without an end"):
@@ -166,7 +207,8 @@ def test_tools_are_followed_one_after_the_other(top, tmp_path, capsys, monkeypat
 
         status, said = run([], "--simulate")
         assert status == 0 and "with tool 2 from line 4 on" in said.out, said.err
-        first = [f"{x} 0 40 1" for x in (0, 4, 8, 10, 10, 10, 10)]
+        # At the end of a part it stands for a while.
+        first = [f"{x} 0 40 1" for x in (0, 4, 8, *[10] * 12)]
         # Away to change it, back with the old one, and only then with the new one.
         away = ["10 0 200 1", "10 0 200 0", "10 0 200 2", "10 0 40 2"]
         second = [f"{x} 0 40 2" for x in (10, 14, 18, 20, 20, 20, 20)]
@@ -376,15 +418,25 @@ def test_between_turns_a_machine_is_followed_by_what_stands_then(top, tmp_path, 
 
         status, near, said = run("G0 Z30\nC20\nG1 X5\nC0\nX0")
         assert (status, near, said.err) == (0, (None, None, None), ""), said
-        assert all(f"line {line} on, at C{angle}\n" in said.out for line, angle in ((2, 0), (4, 20), (6, 0)))
+        ready = [line for line in said.out.splitlines() if line.startswith("ready: ")]
+        assert [re.findall(r" C(\d+), .* from line (\d+) on$", line) for line in ready] == [
+            [("0", "2")], [("20", "4")], [("0", "6")],
+        ], ready  # fmt: skip
         down = [(0, 0, z, 0) for z in range(100, 29, -1)]
+        stood = [*down, *[down[-1]] * 12]
         turn = [(0, 0, 30, c) for c in (5, 12, 19.98)]
         right = [(x, 0, 30, 20) for x in (0, 1, 2, 3, 4, 5)]
-        status, _, said = run("G0 Z30\nC20\nG1 X5", [*down, *turn, *right, *right[-1:] * 3])
+        status, _, said = run("G0 Z30\nC20\nG1 X5", [*stood, *turn, *right, *right[-1:] * 3])
         assert (status, said.err) == (0, "") and "FOLLOWED" in said.out, (said.err, went)
         # Go is ended before it turns, and nothing permitted before the angle is there.
         end = went.index("abort")
-        assert went[end - 1 : end + 7] == [0, "abort", 5, 12, 19.98, 20, 20, "permit"]
+        turns = went.index(5)
+        assert went[end - 1] == 0 and "permit" not in went[end:turns]
+        assert went[turns : turns + 6] == [5, 12, 19.98, 20, 20, "permit"]
+        # At once where the machine does not wait for stop.
+        status, _, said = run("G0 Z30\nC20\nG1 X5", [*down, *turn, *right, *right[-1:] * 3])
+        assert (status, said.err) == (0, "") and "FOLLOWED" in said.out, (said.err, went)
+        assert went[went.index("abort") - 1] == 5
         # What ends with a turn ends before it, with stop.
         status, _, said = run("G0 Z30\nC20", [*down, *[(0, 0, 30, 0)] * 3, *turn])
         assert (status, said.err, went[-1]) == (0, "", "abort") and "FOLLOWED" in said.out, (said.err, went)
@@ -562,7 +614,8 @@ class Machine:
     def __init__(self, hal):
         """Make it."""
         self.hal, self.pins = hal, hal.component("machine")
-        kinds = {**dict.fromkeys("xyzc", hal.HAL_FLOAT), "running": hal.HAL_BIT, "tool": hal.HAL_S32}
+        kinds = {**dict.fromkeys("xyzc", hal.HAL_FLOAT), "tool": hal.HAL_S32}
+        kinds |= dict.fromkeys(("running", "idle"), hal.HAL_BIT)
         for name, kind in kinds.items():
             self.pins.newpin(name, kind, hal.HAL_OUT)
             hal.new_sig(f"from-{name}", kind)
@@ -600,7 +653,7 @@ def machine():
         yield made
         made.pins.exit()
         # They are gone with the last component, but for those where a machine is running.
-        for name in ("x", "y", "z", "c", "running", "tool", "go"):
+        for name in ("x", "y", "z", "c", "running", "idle", "tool", "go"):
             subprocess.run(
                 ["halcmd", "delsig", name if name == "go" else f"from-{name}"],
                 check=False,
@@ -615,7 +668,7 @@ def test_positions_are_those_of_the_pins(machine):
     try:
         machine.net("x", "y", "z")
         assert not pins.wait(0.01)
-        machine.net("running")
+        machine.net("running", "idle")
         assert not pins.wait(0.01)
         machine.net("c")
         assert pins.wait(0) and pins.tool is None
@@ -640,11 +693,13 @@ def test_positions_are_those_of_the_pins(machine):
         assert machine.hal.get_value("triaxis.full-speed") is True
         time.sleep(0.5)
         assert [machine.hal.get_value(f"triaxis.{name}") for name in ("go", "full-speed")] == [False] * 2
-        machine.pins["running"] = True
-        assert pins.report()
+        # Before the program, in it, in a pause, and as HAL has it between two pins that change.
+        for idle, running in ((True, False), (True, True), (False, True), (False, False), (True, True)):
+            machine.pins["idle"], machine.pins["running"] = idle, running
+            assert pins.report()
         machine.pins["running"] = False
         assert pins.report() is None
-        machine.pins["running"], machine.pins["y"] = True, float("nan")
+        machine.pins["idle"], machine.pins["y"] = False, float("nan")
         with pytest.raises(InputError, match="no number"):
             pins.report()
         for name in ("tool", "x"):
@@ -656,7 +711,7 @@ def test_positions_are_those_of_the_pins(machine):
             HalPositions()
         machine.pins["y"] = 0.0
         # A machine that is elsewhere whenever a pin is read.
-        pins._component = Moving({"running": True}, count())
+        pins._component = Moving({"idle": False, "running": True}, count())
         with pytest.raises(InputError, match="no two readings"):
             pins.report()
     finally:
@@ -707,13 +762,13 @@ def test_the_command_follows_the_pins_of_a_machine(machine, top, tmp_path, capsy
         def __init__(self, rotary):
             """Net all pins that are wanted."""
             super().__init__(rotary)
-            machine.net("x", "y", "z", "running")
+            machine.net("x", "y", "z", "running", "idle")
             machine.pins["z"] = 40.0
 
         def report(self):
             """Go on."""
             place = next(places, None)
-            machine.pins["running"] = place is not None
+            machine.pins["idle"], machine.pins["running"] = place is None, place is not None
             machine.pins["x"] = 20.0 if place is None else float(place)
             go.append(machine.hal.get_value("triaxis.go"))
             return super().report()
@@ -723,4 +778,5 @@ def test_the_command_follows_the_pins_of_a_machine(machine, top, tmp_path, capsy
     arguments += ["--speed", "100", "--lag", "50", "--hold", "500", "--start", "0", "0", "40"]
     assert main(["watch", *arguments, "--surfaces-only"]) == 0
     assert "FOLLOWED: to the end of the program" in capsys.readouterr().out
-    assert go[0] is False and go[1:] == [True] * (len(go) - 1)
+    # It is looked whether the machine is at the start, and then asked.
+    assert go == [False] * 2 + [True] * (len(go) - 2)
