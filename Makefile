@@ -167,7 +167,7 @@ bench-path: $(READY) ## check 100,000 moves against 100,000 facets; plant collis
 	@$(BIN)/triaxis bench path
 
 PROGRAMS ?= .
-bench-programs: $(READY) ## count the G-code programs that are read, of those that LinuxCNC completes: make bench-programs PROGRAMS=FOLDER
+bench-programs: $(READY) ## count the G-code programs that are read, of those that LinuxCNC (Debian: linuxcnc-uspace) completes: make bench-programs PROGRAMS=FOLDER
 	@$(BIN)/triaxis bench programs $(PROGRAMS)
 
 bench-follow: $(READY) ## supervise 100,000 segments of a moving tool on the simulated board; plant collisions: an hour
@@ -188,10 +188,10 @@ activity: $(READY) ## count multiplier toggles with and without operand gating
 bitstream: $(READY) ## build the board's bitstream with Vivado, if the sign-off allows it
 	@$(BIN)/triaxis fpga bitstream
 
-# From what git holds alone: setuptools would take what an earlier build left behind.
 docs: $(SITE) ## make a site of the documents, with search, in build/site/
 	@NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build -q -f .ci/site.yml && echo "written to build/site/: \`$(PYTHON) -m http.server -d build/site\` serves it"
 
+# From what git holds alone: setuptools would take what an earlier build left behind.
 package: $(READY) ## make the wheel in dist/: check, path, verdict, scene outside a checkout; with [signoff] sim
 	rm -rf build/package && mkdir -p build/package dist
 	git archive HEAD | tar -x -C build/package
