@@ -56,7 +56,7 @@ def tritest() -> int:
 
 def _answer(words: list[str], of_this_process: bool) -> int:
     from triaxis.golden.errors import ToldError
-    from triaxis.host.cli.commands import find, remove_older_answers, runner, withdraw_clear
+    from triaxis.host.cli.commands import find, remove_older_answers, runner, withdraw_yes
 
     try:
         name, rest = find(words)
@@ -74,7 +74,7 @@ def _answer(words: list[str], of_this_process: bool) -> int:
     except ToldError as error:
         message = str(error)
     except KeyboardInterrupt:
-        withdraw_clear(words)
+        withdraw_yes(words)
         raise
     except MemoryError:
         message = "out of memory: use a smaller input"
@@ -90,7 +90,7 @@ def _answer(words: list[str], of_this_process: bool) -> int:
         message = f"internal: {type(error).__name__}: {error} (TRIAXIS_DEBUG=1 shows where)"
         if isinstance(error, ModuleNotFoundError) and not f"{error.name}".startswith("triaxis"):
             message = f"{error.name} is not installed: pip install 'triaxis[signoff]'"
-    withdraw_clear(words)
+    withdraw_yes(words)
     if _interrupted:
         # What was interrupted may fail for it in ways of its own.
         raise KeyboardInterrupt

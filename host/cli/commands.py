@@ -354,7 +354,7 @@ def _remove_older(option: str, value: str, answer: Answer, others: list[str], al
         write_whole(path, answer.before)
 
 
-def withdraw_clear(words: list[str]) -> None:
+def withdraw_yes(words: list[str]) -> None:
     """Say "unknown" in reports of a command that ended without an answer, though they say yes."""
     try:
         name, rest = find(words)

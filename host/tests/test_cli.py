@@ -21,7 +21,7 @@ from triaxis.golden.errors import InputError
 from triaxis.golden.pairs import VERDICT, read_pairs
 from triaxis.host import scenes
 from triaxis.host.cli import main
-from triaxis.host.cli.commands import COMMANDS, GROUPS
+from triaxis.host.cli.commands import COMMANDS, GROUPS, withdraw_yes
 from triaxis.host.motion.gcode import read_lines
 from triaxis.host.stl import read_stl
 from triaxis.sim.paths import ROOT
@@ -226,6 +226,16 @@ def test_what_cannot_be_told_is_no_answer(meshes, tmp_path):
     closed = f"exec {shlex.join(map(str, (TRIAXIS, *clear)))} >&- 2>&-"
     assert subprocess.run(["sh", "-c", closed], check=False).returncode == 0
     assert json.loads(report.read_text())["verdict"] == "clear"
+
+
+@pytest.mark.parametrize(
+    ("verdict", "left"), [("followed", "unknown"), ("clear", "unknown"), ("near", "near")]
+)
+def test_a_yes_is_withdrawn_where_the_command_fails_afterwards(verdict, left, tmp_path):
+    report = tmp_path / "report.json"
+    report.write_text(json.dumps({"verdict": verdict}))
+    withdraw_yes(["watch", "t.stl", "w.stl", "p.nc", "--json", str(report)])
+    assert json.loads(report.read_text())["verdict"] == left
 
 
 def test_a_report_may_be_named_as_a_number(meshes, tmp_path, monkeypatch):
