@@ -238,7 +238,8 @@ _SECTIONS = {
 
 _CODES = (
     "Exit codes: 0 done, or the answer is yes (check, path: clear; watch: to the end); 1 the answer is no\n"
-    "(check, path, watch: near; others: failed); 2 bad input or a missing tool, there is no answer; 130 interrupted."
+    "(check, path, watch: near; others: failed); 2 bad input or a missing tool, there is no answer;\n"
+    "130 interrupted."
 )
 
 
