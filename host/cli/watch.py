@@ -22,10 +22,9 @@ from triaxis.host.cli.path import add_program, place_words, read_moves, read_sto
 from triaxis.host.cli.terminal import progress_bar
 from triaxis.host.enclosure import State
 from triaxis.host.link.board import Board
-from triaxis.host.link.board_engine import BoardEngine
+from triaxis.host.link.board_engine import BoardEngine, check_depth
 from triaxis.host.link.exchange import LinkError
 from triaxis.host.link.hal import HalPositions
-from triaxis.host.link.messages import Description
 from triaxis.host.link.positions import Positions
 from triaxis.host.motion.contact import NOT_TRACKED, Setup
 from triaxis.host.motion.follow import (
@@ -176,7 +175,9 @@ def run(options: argparse.Namespace) -> int:
             raise InputError(f"{program.path}: no line moves X, Y or Z: there is nothing to follow")
         check_told_apart(operations)
         for one in operations:
-            _check_fit(one, board.description)
+            # Before the machine starts, and not in the middle.
+            check_depth(one.supervised.tool.name, one.scene.a, board.description)
+            check_depth(one.supervised.work.name, one.scene.b, board.description)
         ends = not (program.changes or program.moves[-1].turning)
         operations[-1] = replace(operations[-1], ends=ends)
         count = sum(len(one.pieces) for one in operations)
@@ -231,15 +232,6 @@ def _zones(options: argparse.Namespace, operations: Sequence[Operation]) -> list
         within = [piece.line for piece in found if piece.beyond <= number]
         entries.append({"within": width, "pieces": len(within), "lines": sorted(set(within))})
     return entries
-
-
-def _check_fit(one: Operation, board: Description) -> None:
-    """Raise InputError where meshes do not fit the board: before the machine starts, not in its middle."""
-    for mesh, side in ((one.scene.a, one.supervised.tool), (one.scene.b, one.supervised.work)):
-        if len(mesh) > board.depth:
-            raise InputError(
-                f"{side.name}: {len(mesh)} facets: the board holds {board.depth} a mesh; split or simplify it"
-            )
 
 
 def _follow(

@@ -7,12 +7,20 @@ from triaxis.host.engines import Integers, Progress, SceneEngine, SceneRun, Tran
 from triaxis.host.link.audit import BoardRun, audit, contradiction
 from triaxis.host.link.board import Board
 from triaxis.host.link.exchange import LinkError, SessionLostError
-from triaxis.host.link.messages import NO_ZONES, Flag, Mesh, Mode, Pose, RunEnd, Status
+from triaxis.host.link.messages import NO_ZONES, Description, Flag, Mesh, Mode, Pose, RunEnd, Status
 from triaxis.host.scene import in_order
 from triaxis.sim.mesh_engine import spatial_order
 
 # Frames that come late may undo a session; so many in a row are no accident.
 _ATTEMPTS = 3
+
+
+def check_depth(name: str, mesh: Integers, board: Description) -> None:
+    """Raise LinkError where a mesh, of a name, has more facets than the board holds."""
+    if len(mesh) > board.depth:
+        raise LinkError(
+            f"{name}: {len(mesh)} facets: the board holds {board.depth} a mesh; split or simplify it"
+        )
 
 
 class BoardEngine(SceneEngine):
@@ -109,10 +117,7 @@ class BoardEngine(SceneEngine):
         """Raise LinkError where the board is too small for the meshes, the margin or the move."""
         board = self._board.description
         for name, mesh in (("A", self._a), ("B", self._b)):
-            if len(mesh) > board.depth:
-                raise LinkError(
-                    f"{name}: {len(mesh)} facets: the board holds {board.depth} a mesh; split or simplify it"
-                )
+            check_depth(name, mesh, board)
         if margin >= 1 << board.margin_bits:
             most = (1 << board.margin_bits) - 1
             raise LinkError(

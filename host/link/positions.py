@@ -68,7 +68,8 @@ class Positions:
         earlier = now = time.monotonic()
         while True:
             waits = self._is_there(0)
-            if last is not None and (waited if waits else not (waited and self._is_there(_SOON_SECONDS))):
+            others = not waited if waits else waited and self._is_there(_SOON_SECONDS)
+            if last is not None and not others:
                 yield last
                 last = None
             if not waits:

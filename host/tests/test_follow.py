@@ -632,3 +632,12 @@ def test_nothing_is_asked_after_a_position_that_is_late(program):
     with pytest.raises(LateError, match="after its position"):
         follow(follower, permit, report, lambda: next(times), 200, lambda *told: seen.append(told))
     assert (asked, seen, follower.permitted) == ([], [], 0)
+    # Nor after one that is late when its zone has been told.
+    clock = Clock(0.0)
+
+    def ahead(*_):
+        clock.time += float(LAG) + 0.001
+
+    with pytest.raises(LateError, match="after its position"):
+        follow(follower, permit, lambda: (START, clock.time), clock.now, 200, ahead=ahead)
+    assert asked == []
