@@ -275,10 +275,10 @@ class Written(dict):
 
     def __init__(self):
         super().__init__(beat=False)
-        self.values = []
+        self.kept = []
 
     def __setitem__(self, name, value):
-        self.values.append((name, value))
+        self.kept.append((name, value))
         super().__setitem__(name, value)
 
 
@@ -288,7 +288,7 @@ def test_pins_are_not_true_for_an_instant():
     pins._component, pins._changed, pins._known = Written(), threading.Condition(), 0.0
     pins.said(True)
     pins.beyond(2)
-    assert {value for name, value in pins._component.values if name != "beat"} == {False}
+    assert {value for name, value in pins._component.kept if name != "beat"} == {False}
 
 
 def test_without_linuxcnc_it_says_so(monkeypatch):

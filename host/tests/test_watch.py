@@ -7,6 +7,7 @@ import time
 from functools import partial
 from itertools import count
 from types import SimpleNamespace
+from typing import Any
 from xml.etree import ElementTree
 
 import numpy as np
@@ -412,15 +413,16 @@ def says_late(fifo):
 def test_a_position_is_as_old_as_is_said():
     """So that an answer has no more than what is left of the lag."""
     machine = SimpleNamespace(tools={}, rotary=frozenset())
-    one = SimpleNamespace(machine=machine, stands=lambda _: True)
-    source = SimpleNamespace(report=lambda: (NOWHERE, 5.0), tool=None, angles=None)
-    assert watch_module._as_expected(source, one, None, False, 0.75) == (NOWHERE, 4.25)
+    one: Any = SimpleNamespace(machine=machine, stands=lambda _: True)
+    source: Any = SimpleNamespace(report=lambda: (NOWHERE, 5.0), tool=None, angles=None)
+    follower: Any = None
+    assert watch_module._as_expected(source, one, follower, False, 0.75) == (NOWHERE, 4.25)
 
 
 def test_what_only_the_board_finds_near_is_not_given_a_name():
     engine = SimpleNamespace(run=lambda *_, **__: SimpleNamespace(near=np.empty((0, 2), int)))
-    part = SimpleNamespace(engine=engine, supervised=None)
-    piece = SimpleNamespace(beside=None, sample=(0, 0, 0), margin=1, line=7)
+    part: Any = SimpleNamespace(engine=engine, supervised=None)
+    piece: Any = SimpleNamespace(beside=None, sample=(0, 0, 0), margin=1, line=7)
     with pytest.raises(DisagreementError, match="line 7: near to the board, and clear to the host"):
         Operation.near_objects(part, piece)
 
