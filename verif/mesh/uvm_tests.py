@@ -59,6 +59,8 @@ _EVERY_MODE = (Mode.ALL, Mode.COUNT, Mode.FIRST, 3)
 # acknowledgement. Clocks that scrubbing takes, besides one a triangle. Scenes in which much is tested.
 _SOME_OF, _RESET_ONE_IN, _SCRUB_LATENCY = 5, 6, 8
 _MIXED = ("in_one_place", "clusters", "cloud", "one_contact")
+# Scenes that rows decide, or groups, or boxes: what comes later is not used, and the core is not asked.
+_DECIDED_BY = ("rows_apart", "groups_apart", "lattice")
 
 
 @listed(
@@ -332,7 +334,7 @@ class MeshTrialsTest(MeshEngineTest):
     """Each check is tried: a fault, which stays until it is acknowledged, or a reset comes."""
 
     async def stimulus(self) -> None:
-        """Try everything in turn; see the fault stay, and end."""
+        """Try everything in turn; see the fault stay, and end. Then in runs that do not use all there is."""
         every = [
             *product((Trial.WALK, Trial.INTAKE), range(WHICHES)),
             *product((Trial.MEMORY,), (*range(WHICHES), *Memory, *Memory, *Memory)),
@@ -344,16 +346,21 @@ class MeshTrialsTest(MeshEngineTest):
         for number in self.rng.permutation(len(every)).tolist():
             for mode in (Mode.ALL, next(modes)):
                 await self.attempt(every[number], int(mode))
+        used = [*product((Trial.MEMORY,), Memory), *product(ATTEMPTS, (0,))]
+        for tries, kind in product(used, _DECIDED_BY):
+            await self.attempt(tries, int(Mode.ALL), kind)
 
-    async def attempt(self, tries: tuple[int, int], mode: int) -> None:
-        """Send a scene with a run that tries something, and runs after it."""
+    async def attempt(self, tries: tuple[int, int], mode: int, decided_by: str = "") -> None:
+        """Send a scene with a run that tries something, and runs after it; ``decided_by``: its kind."""
         most = min(self.configuration.depth, 2 * self.configuration.group + 1)
-        counts = self.rng.integers(1, most + 1, 2).tolist()
-        scene = random_scene(self.shapes, True, (counts[0], counts[1]), _MIXED)
+        counts = [most, most] if decided_by else self.rng.integers(1, most + 1, 2).tolist()
+        kinds = (decided_by,) if decided_by else _MIXED
+        scene = random_scene(self.shapes, True, (counts[0], counts[1]), kinds)
         plain = replace(scene.runs[0][0], mode=mode)
         aborts = (int(self.rng.integers(0, 40)),) if self.rng.integers(4) == 0 else ()
-        # What comes of an attempt depends on how the core is asked, and with zones that on the moment.
-        zones = NO_ZONES if tries[0] in ATTEMPTS else plain.zones
+        # What comes of an attempt depends on how the core is asked, and with zones that on the moment. And
+        # what boxes decide at the margin, a wider zone may leave to the core.
+        zones = NO_ZONES if decided_by or tries[0] in ATTEMPTS else plain.zones
         asked = replace(plain, tries=tries, zones=zones)
         await self.send(replace(scene, runs=((asked, RunTraffic(aborts=aborts)),)))
         if tries[0] == Trial.MEMORY and tries[1] >= SCRUB:
