@@ -52,6 +52,16 @@ parts = [{ diameter = 4, length = 9 }]
 CUTTERS = TOOLS.replace("length = 9 }", "length = 9, cuts = true }, { diameter = 9, length = 20 }")
 
 
+def telling(word, does):
+    """Return what does the same, and prints a word first."""
+
+    def told(*given):
+        print(word)
+        return does(*given)
+
+    return told
+
+
 @pytest.mark.long
 @pytest.mark.simulator
 def test_tools_are_followed_one_after_the_other(top, tmp_path, capsys, monkeypatch):
@@ -108,6 +118,8 @@ def test_tools_are_followed_one_after_the_other(top, tmp_path, capsys, monkeypat
         machine.write_text(CUTTERS)
         scenes.write_stl(tmp_path / "blank.stl", scenes.box((5, -9, 10), (30, 9, 30)))
         picture = tmp_path / "near.svg"
+        monkeypatch.setattr(Board, "abort", telling("OVER", Board.abort))
+        monkeypatch.setattr(watch_module, "_draw", telling("DRAWN", vars(watch_module)["_draw"]))
         for lines, near in (
             ("G0 X2 Y0 Z32\nG1 X9 Z26 F900\nX20\nG0 Z40\nT2 M6\nG0 X0", (None, None, None)),
             ("G0 X2 Y0 Z32\nG1 X9 Z26 F900\nG0 X20", (4, "the cutter", "the stock")),
@@ -117,13 +129,17 @@ def test_tools_are_followed_one_after_the_other(top, tmp_path, capsys, monkeypat
         ):
             program.write_text(f"G21 G90 G61\n{lines}\n")
             picture.write_bytes(b"old")
-            words = ["--stock", str(tmp_path / "blank.stl"), "--length", "0.5", "--picture", str(picture)]
+            words = ["--stock", str(tmp_path / "blank.stl"), "--length", "0.5", "--slow", "1"]
+            words += ["--picture", str(picture)]
             status, said = run([], "--simulate", *words)
             # What was there before is never taken for what was found now.
             assert picture.exists() == (status == 1)
             if status:
                 drawn = " ".join(ElementTree.fromstring(picture.read_text()).itertext())
                 assert f"p.nc: stopped before line {near[0]}: {near[1]} comes near {near[2]}" in drawn
+                # Go is over before anybody is told, and nobody waits for a picture to be told.
+                order = " ".join(re.findall("OVER|zone: unknown|NEAR|DRAWN", said.out))
+                assert re.fullmatch("(OVER (zone: unknown )?)+OVER NEAR DRAWN", order), said.out
             found = read_published(report, "watch")
             assert (found["line"], found["what"], found["of"]) == near, said
             assert status == int(near[0] is not None) and "what is cut away is not tracked" in said.out
