@@ -14,6 +14,7 @@ from pathlib import Path
 from triaxis.fpga.board_build import BUILD_SCRIPT, CONSTRAINTS, PART, TOP, VIVADO, Inputs
 from triaxis.golden.errors import InputError
 from triaxis.golden.outputs import write_whole
+from triaxis.sim.build import content_hash
 from triaxis.sim.paths import BUILD
 
 # The switching activity that `triaxis fpga activity` measures, and what power reports read of it.
@@ -163,10 +164,7 @@ def file_hash(path: Path) -> str:
 
 def board_hash() -> str:
     """Return the hash of what surrounds the RTL of dut/: constraints and scripts."""
-    digest = hashlib.sha256()
-    for path in sorted(path for path in VIVADO.rglob("*") if path.suffix in _SUFFIXES):
-        digest.update(path.name.encode() + b"\0" + path.read_bytes() + b"\0")
-    return digest.hexdigest()
+    return content_hash(sorted(path for path in VIVADO.rglob("*") if path.suffix in _SUFFIXES))
 
 
 def build_id(rtl_hash: str, board_hash: str) -> int:

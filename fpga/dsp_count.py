@@ -5,7 +5,6 @@ pieces are multiplied by additions. fpga/tests/test_dsp_count.py compares the co
 synthesiser.
 """
 
-import hashlib
 import json
 from collections import Counter
 from collections.abc import Mapping, Sequence
@@ -16,6 +15,7 @@ from typing import Any
 from triaxis.fpga.board_build import TOP, bitstream_sources
 from triaxis.golden.errors import InputError
 from triaxis.golden.outputs import write_whole
+from triaxis.sim.build import content_hash
 from triaxis.sim.configuration import CORE_TOP
 
 _MULTIPLIER = "triaxis_mul"
@@ -138,10 +138,7 @@ class DspCounts:
         """Count the RTL in ``dut``; ``kept``: the file, which holds for these very sources only."""
         self._dut, self._kept = dut, kept
         self._board = bitstream_sources(dut)
-        digest = hashlib.sha256(Path(__file__).read_bytes())
-        for source in (*self._board, *sorted((dut / "core").glob("*.svh"))):
-            digest.update(source.name.encode() + b"\0" + source.read_bytes() + b"\0")
-        self._key = digest.hexdigest()
+        self._key = content_hash([Path(__file__), *self._board, *sorted((dut / "core").glob("*.svh"))])
         self._counts = self._read()
 
     def core(self, width: int, margin_bits: int, edge_box: bool = True) -> DspCount:

@@ -6,6 +6,7 @@ RTL may move. What a hunk replaces must stand in the file exactly once.
 
 import re
 import shutil
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -81,14 +82,22 @@ def faulty_rtl(fault: Fault, dut: Path = DUT) -> Path:
         raise InputError(f"fault {fault.name}: is tried on the environment; there is no RTL of it")
     if not fault.patch.is_file():
         raise InputError(f"{fault.patch}: cannot read: no such file")
-    patch = fault.patch
-    key = content_hash([patch], rtl_hash(dut))
+    return patched_rtl(FOLDER / fault.name, [fault.patch], dut)
+
+
+def patched_rtl(place: Path, patches: Sequence[Path], dut: Path = DUT) -> Path:
+    """Return a folder with the files of ``dut``, changed by diffs one after the other, made where needed.
+
+    Its name is that of ``place`` and a hash of what it is made from.
+    """
 
     def make(partial: Path) -> None:
         for source in rtl_files(dut):
-            place = partial / source.relative_to(dut)
-            place.parent.mkdir(parents=True, exist_ok=True)
-            shutil.copy(source, place)
-        apply_patch(patch, partial)
+            target = partial / source.relative_to(dut)
+            target.parent.mkdir(parents=True, exist_ok=True)
+            shutil.copy(source, target)
+        for patch in patches:
+            apply_patch(patch, partial)
 
-    return built(FOLDER / f"{fault.name}-{key[:12]}", make)
+    key = content_hash(patches, rtl_hash(dut))
+    return built(place.with_name(f"{place.name}-{key[:12]}"), make)

@@ -1,7 +1,6 @@
 """The board with all its registers and memories public; with all measures against upsets, or without some."""
 
 import re
-import shutil
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from functools import cache
@@ -9,12 +8,12 @@ from pathlib import Path
 
 from triaxis.golden.outputs import write_whole
 from triaxis.sim.board_parameters import BoardParameters
-from triaxis.sim.build import built, content_hash, rtl_files, rtl_hash
+from triaxis.sim.build import content_hash
 from triaxis.sim.configuration import CERTIFIED_TOP
 from triaxis.sim.models import board_build
 from triaxis.sim.paths import BUILD, DUT, SIM
 from triaxis.sim.verilate import Build
-from triaxis.verif.faults.faulty_rtl import apply_patch
+from triaxis.verif.faults.faulty_rtl import patched_rtl
 from triaxis.verif.formal.cone import Hierarchy, hierarchy
 from triaxis.verif.mutation.syntax import below, kind, module_name, read_source, span
 
@@ -88,18 +87,7 @@ def _assigned(left: str) -> set[str]:
 def without_measures(measures: Iterable[Measure]) -> Path:
     """Return a folder of the RTL in which these are taken away, made where needed."""
     patches = [measure.without for measure in measures]
-    if not patches:
-        return DUT
-
-    def make(partial: Path) -> None:
-        for source in rtl_files():
-            place = partial / source.relative_to(DUT)
-            place.parent.mkdir(parents=True, exist_ok=True)
-            shutil.copy(source, place)
-        for patch in patches:
-            apply_patch(patch, partial)
-
-    return built(FOLDER / f"without-{content_hash(patches, rtl_hash())[:12]}", make)
+    return patched_rtl(FOLDER / "without", patches) if patches else DUT
 
 
 def upset_build(parameters: BoardParameters, without: Iterable[Measure] = ()) -> Build:
