@@ -9,7 +9,7 @@ import pytest
 
 from triaxis.bench.paths import reading
 from triaxis.bench.paths import report as paths
-from triaxis.bench.paths.supervised import supervised
+from triaxis.bench.paths.supervised import findings, supervised
 from triaxis.bench.peers.peer import Peer, Question
 from triaxis.golden.judge import judge
 from triaxis.host.broadphase import candidates
@@ -29,9 +29,12 @@ def test_a_small_program_is_clear_and_what_is_planted_is_found(tmp_path):
 @pytest.mark.long
 @pytest.mark.simulator
 def test_a_machine_is_supervised_without_a_false_stop_and_stopped_in_time(tmp_path):
-    found = supervised(tmp_path, 150, 3, lambda _: None)
+    found = supervised(tmp_path, 300, 3, lambda _: None)
     assert (found.false_stops, found.planted, found.missed, found.late) == (0, 3, 0, 0)
-    assert found.segments >= 150 and found.run_clocks < found.reaction_clocks
+    assert found.segments >= 300 and 100 < found.run_clocks < found.reaction_clocks < found.bound_clocks
+    assert not findings(found).problems
+    for wrong in ({"false_stops": 1}, {"missed": 1}, {"late": 1}, {"wanted": found.segments + 1}):
+        assert len(findings(replace(found, **wrong)).problems) == 1
 
 
 def test_planted_moves_collide_between_ends_that_are_clear():
