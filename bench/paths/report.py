@@ -74,8 +74,8 @@ class PeerFigures:
 def add_path(parser: argparse.ArgumentParser) -> None:
     """Add the command's arguments."""
     parser.description = (
-        f"Check a program of {MOVES:,} moves against {2 * SQUARES**2 + 4 * SQUARES:,} facets, plant {PLANTED} "
-        "collisions in it, and ask packages for continuous motion about the same. Writes "
+        f"Check a program of {MOVES:,} moves against {2 * SQUARES**2 + 4 * SQUARES:,} facets, plant "
+        f"{PLANTED} collisions in it, and ask packages for continuous motion about the same. Writes "
         "build/bench/path.json."
     )
     parser.set_defaults(run=lambda _: report(RESULT, _measured))

@@ -92,7 +92,7 @@ def test_no_near_position_is_ever_missed(rng):
 
     Of facets, of an edge and an edge, of a vertex and a facet.
     """
-    found = {"clear": 0, "certain": 0, "band": 0}
+    found = {"clear": 0, "certain": 0, "band": 0, "places": 0}
     for trial in range(120):
         tool, work = (rng.uniform(-1, 1, (1, 3, 3)).astype(np.float32) for _ in "ab")
         if trial % 3 == 1:
@@ -104,12 +104,9 @@ def test_no_near_position_is_ever_missed(rng):
         clearance, step = Fraction(int(rng.integers(0, 60)), 97), Fraction(int(rng.integers(1, 5)), 4)
         scene = scene_of(tool, work, corners, wanted_of(clearance, Fraction(1, 4), step))
         result = checked(scene)
-        for index, move in enumerate(scene.program.moves):
-            for part in (Fraction(k, 24) for k in range(25)):
-                near = result.near
-                if near and (index, part + scene.wanted.step) >= (near.move, near.part_of_move):
-                    break
-                assert distance(scene, move.at(part)) > clearance
+        before = places_before(scene, result.near)
+        assert all(distance(scene, place) > clearance for place in before)
+        found["places"] += len(before)
         if result.near:
             real = distance(scene, result.near.position)
             assert real < clearance + scene.band
@@ -118,7 +115,50 @@ def test_no_near_position_is_ever_missed(rng):
             found["certain" if result.near.within_clearance_for_certain else "band"] += 1
         else:
             found["clear"] += 1
-    assert min(found.values()) > 3, found
+    assert min(found.values()) > 3 and found["places"] > 2500, found
+
+
+def test_each_contact_at_a_known_time_is_found(rng):
+    """A vertex that comes to a facet, an edge to an edge, at a rational part of a move; touching is near."""
+    before = 0
+    for trial in range(90):
+        tool, work = (rng.integers(-32, 33, (1, 3, 3)) / 16 for _ in "ab")
+        of_tool, of_work = (rng.permutation([1, 2, 5]) / 8 for _ in "ab")
+        if trial % 3 == 0:
+            tool[0, 1:] = tool[0, 0]
+        elif trial % 3 == 1:
+            tool[0, 2], work[0, 2] = tool[0, 1], work[0, 0]
+        else:
+            of_tool = np.array([1.0, 0, 0])
+        way = rng.integers(-32, 33, 3) / 8 + np.array([0, 0, 1 / 16])
+        part = int(rng.integers(1, 16)) / 16
+        # All are binary fractions of few bits: nothing is rounded.
+        touching = of_work @ work[0] - of_tool @ tool[0]
+        scene = scene_of(tool, work, [touching - part * way, touching + (1 - part) * way], wanted_of(0))
+        assert distance(scene, vector(Fraction(float(c)) for c in touching)) == 0
+        near = checked(scene).near
+        assert near is not None and not near.move
+        assert near.part_of_move <= Fraction(part) + part_of(scene.program.moves[0], scene.wanted.step)
+        clear = places_before(scene, near)
+        assert all(distance(scene, place) > 0 for place in clear)
+        before += len(clear)
+    assert before > 500, before
+
+
+def part_of(move, length):
+    """Return which part of a straight move is that long, on its fastest axis."""
+    return length / max(abs(b - a) for a, b in zip(move.start, move.end, strict=True))
+
+
+def places_before(scene, near):
+    """Return places of straight moves, 25 of each, before what was found near, or all."""
+    return [
+        move.at(Fraction(k, 24))
+        for index, move in enumerate(scene.program.moves)
+        for k in range(25)
+        if near is None
+        or (index, Fraction(k, 24) + part_of(move, scene.wanted.step)) < (near.move, near.part_of_move)
+    ]
 
 
 def test_nothing_is_missed_on_arcs_and_ways_of_rapids(rng):
