@@ -306,10 +306,14 @@ class Part:
 
 @dataclass(frozen=True)
 class Enclosure:
-    """What is known of insides, and the parts that it stands on: none where all is outside."""
+    """What is known of insides, and the parts that it stands on: none where all is outside.
+
+    ``open_edges``: of A and of B, edges with an odd number of facets, where it was asked.
+    """
 
     state: State
     parts: tuple[Part, ...] = ()
+    open_edges: tuple[int, int] = (0, 0)
 
     def verdict(self, near: bool) -> str:
         """Return the verdict on two meshes of which facets are near, or not: clear, near or unknown."""
@@ -320,6 +324,15 @@ class Enclosure:
     def told(self, names: tuple[str, str]) -> list[str]:
         """Return a sentence for each part inside, with the names of A and B."""
         return [part.sentence(names) for part in self.parts if part.state == State.INSIDE]
+
+    def notes(self, names: tuple[str, str]) -> list[str]:
+        """Return a sentence for each mesh that is not closed, with the names of A and B."""
+        return [
+            f"{name} is not closed: {edges} edges have an odd number of facets: the verdict is unknown as "
+            "soon as something may be inside it"
+            for name, edges in zip(names, self.open_edges, strict=True)
+            if edges
+        ]
 
     def refuse_undecided(self, files: Sequence[object], by_surfaces: bool = True, at: str = "") -> None:
         """Raise InputError where it is undecided, naming the files of A and B.
@@ -348,11 +361,12 @@ def enclosure(a: Solid, b: Solid, moves: Integers = _STILL) -> Enclosure:
     what is not never; but into something open it may come by a gap.
     """
     parts = (*_parts("a", a, b, moves), *_parts("b", b, a, -moves[:, ::-1]))
+    edges = int(a.shells.open_edges.sum()), int(b.shells.open_edges.sum())
     for state in (State.INSIDE, State.UNDECIDED):
         found = tuple(part for part in parts if part.state == state)
         if found:
-            return Enclosure(state, found)
-    return Enclosure(State.OUTSIDE)
+            return Enclosure(state, found, edges)
+    return Enclosure(State.OUTSIDE, (), edges)
 
 
 def _parts(mesh: str, inner: Solid, outer: Solid, moves: Integers) -> list[Part]:

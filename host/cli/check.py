@@ -274,3 +274,6 @@ def print_without_near_facets(insides: Enclosure, surfaces: str, names: tuple[st
         print(f"CLEAR: {surfaces}, and neither is inside the other")
     if insides.state == State.NOT_ASKED:
         print(f"CLEAR: {surfaces} (surfaces only: one may be inside the other)")
+    # Where that is why the verdict is unknown, it is told so.
+    for note in insides.notes(names) if insides.state != State.UNDECIDED else ():
+        print(f"note: {note}")

@@ -181,14 +181,16 @@ def run(options: argparse.Namespace) -> int:
         ends = not (program.changes or program.moves[-1].turning)
         operations[-1] = replace(operations[-1], ends=ends)
         count = sum(len(one.pieces) for one in operations)
+        opened = dict[str, None]()
         for one in operations if not options.surfaces_only else ():
             for insides, files, names in one.insides():
+                opened |= dict.fromkeys(insides.notes(names))
                 if insides.state != State.OUTSIDE:
                     insides.refuse_undecided(files)
                     return _told(options, Followed(), count, "inside", names)
         print(f"board: {about(board.description)}")
         print(f"path: {program.path}, {len(program.moves)} moves, {count} pieces")
-        for note in (*program.notes, *((NOT_TRACKED,) if options.stock else ())):
+        for note in (*program.notes, *((NOT_TRACKED,) if options.stock else ()), *opened):
             print(f"note: {note}")
         if lines := sorted({piece.line for one in operations for piece in one.pieces if piece.near}):
             print(

@@ -98,7 +98,8 @@ def nested(tmp_path):
         # Of an open mesh no inside can be told.
         (0, 2, "", 2, "unknown", "undecided", "open.stl: not closed: 3 edges"),
         (2, 0, "", 2, "unknown", "undecided", "small.stl may be inside"),
-        (0, 2, "--move 30 0 0", 0, "clear", "outside", "CLEAR"),
+        # It is named, as another pose would be unknown.
+        (0, 2, "--move 30 0 0", 0, "clear", "outside", "note: B is not closed: 3 edges"),
     ],
 )
 def test_inside_is_near(check, report, nested, a, b, options, status, verdict, state, line):
@@ -109,6 +110,9 @@ def test_inside_is_near(check, report, nested, a, b, options, status, verdict, s
     found = report()
     assert (found["verdict"], found["enclosure"]["state"]) == (verdict, state)
     assert found["surfaces_only"] == ("--surfaces-only" in options)
+    asked = state != "not asked"
+    assert found["enclosure"]["open_edges"] == [3 * asked * (number == 2) for number in (a, b)]
+    assert ("is not closed" in said) == (asked and 2 in (a, b) and status == 0)
 
 
 def test_check_never_misses_and_alarms_only_in_the_band(check):
