@@ -100,9 +100,19 @@ def _square(x: Point) -> Rational:
 
 def euclidean_distance(a: StlMesh, i: int, b: StlMesh, j: int, move: Vector) -> float:
     """Return the distance of facet i of A, after an exact move, and facet j of B."""
+    return math.sqrt(_square_of_facets(a, i, b, j, move))
+
+
+def within_in_files(a: StlMesh, b: StlMesh, move: Vector, pairs: Integers, clearance: Fraction) -> Integers:
+    """Return which of some pairs of facets (N, 2) are within a clearance, exactly: (K, 2)."""
+    near = [[i, j] for i, j in pairs.tolist() if _square_of_facets(a, i, b, j, move) <= clearance * clearance]
+    return np.array(near, np.int64).reshape(-1, 2)
+
+
+def _square_of_facets(a: StlMesh, i: int, b: StlMesh, j: int, move: Vector) -> Rational:
     moved = [[Fraction(float(x)) + m for x, m in zip(vertex, move, strict=True)] for vertex in a.facets[i]]
     other = [[Fraction(float(x)) for x in vertex] for vertex in b.facets[j]]
-    return math.sqrt(squared_distance(moved, other))
+    return squared_distance(moved, other)
 
 
 class EuclideanEngine(SceneEngine):

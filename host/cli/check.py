@@ -24,7 +24,7 @@ from triaxis.host.cli.engine import (
 from triaxis.host.cli.terminal import progress_bar
 from triaxis.host.enclosure import NOT_ASKED, Enclosure, State, enclosure, solid_of
 from triaxis.host.engines import BULK, STILL, Integers, SceneEngine, SceneRun, scene_engine
-from triaxis.host.euclidean import EuclideanEngine, euclidean_distance
+from triaxis.host.euclidean import EuclideanEngine, euclidean_distance, within_in_files
 from triaxis.host.least import least_distance
 from triaxis.host.link.board import Board
 from triaxis.host.link.board_engine import BoardEngine
@@ -120,6 +120,11 @@ def run(options: argparse.Namespace) -> int:
             return _by_board(options, board, meshes)
         engine = scene_engine(options.engine, meshes.a, meshes.b, meshes.grid.width)
         run = by_distance(options, meshes.a, meshes.b, engine).run(STILL, meshes.margin)
+        if options.distance == EUCLIDEAN and not (meshes.mesh_a.rounding or meshes.mesh_b.rounding):
+            # What the grid rounded need not count: the files' own coordinates are exact.
+            where = meshes.mesh_a, meshes.mesh_b, meshes.pose.move
+            run.near = within_in_files(*where, run.near, options.clearance)
+            run.near_count = len(run.near)
         asked = not run.near_count and not options.surfaces_only
         return _tell(
             options, meshes, run, enclosure(solid_of(meshes.a), solid_of(meshes.b)) if asked else NOT_ASKED

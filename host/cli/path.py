@@ -404,7 +404,7 @@ def place_words(position: Vector, angles: Vector) -> str:
 def _print_verdict(checked: RuleCheck, several: bool) -> None:
     """Print it; ``several``: things were checked, of which this one decides."""
     result, names, scene = checked.result, checked.rule.names, checked.scene
-    clearance = f"{float(scene.wanted.clearance):g} mm"
+    clearance = f"{float(scene.wanted.clearance):g} mm{' by Euclid' * scene.wanted.euclidean}"
     near = result.near
     later = checked.rule.numbers[result.asked_at] > 0
     start = (

@@ -7,6 +7,8 @@ import numpy as np
 import pytest
 
 from triaxis.golden.judge import judge
+from triaxis.host import scenes
+from triaxis.host.cli import main
 from triaxis.host.engines import scene_engine
 from triaxis.host.euclidean import EuclideanEngine, euclidean_distance, squared_distance
 from triaxis.host.least import least_distance
@@ -75,6 +77,23 @@ def test_the_least_distance_is_that_of_all_pairs(rng):
             distances = [float(of(one, i, two, j, NOWHERE)) for i in range(9) for j in range(9)]
             assert (found.distance, found.exact) == (min(distances), True)
             assert distances[9 * found.a + found.b] == min(distances)
+
+
+def test_check_decides_by_the_coordinates_of_the_files(tmp_path, capsys):
+    files = [tmp_path / "a.stl", tmp_path / "b.stl"]
+    for file, low in zip(files, (-1, 0), strict=True):
+        scenes.write_stl(file, scenes.box((low, low, low), (low + 1, low + 1, low + 1)))
+
+    def check(gap, *options):
+        words = ["check", *map(str, files), "--move", f"-{gap}", "0", "0", "--clearance", "0.5", *options]
+        status = main([*words, "--engine", "bulk", "--distance", "euclidean"])
+        return status, capsys.readouterr().out
+
+    for gap, status, said in (("0.5", 1, "NEAR: "), ("0.50001", 0, "CLEAR"), ("0.501", 0, "CLEAR")):
+        found, out = check(gap)
+        assert found == status and said in out, out
+    # What is turned is rounded, and what is rounded is near within the band.
+    assert check("0.501", "--rotate", "z", "45", "--rotate", "z", "-45")[0] == 1
 
 
 def test_what_only_corners_bring_near_is_cleared_and_nothing_else(rng):

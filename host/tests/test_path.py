@@ -2,6 +2,7 @@
 
 import math
 import re
+from dataclasses import replace
 from fractions import Fraction
 from itertools import pairwise
 from pathlib import Path
@@ -18,6 +19,7 @@ from triaxis.golden.judge import judge
 from triaxis.host import engines, scenes
 from triaxis.host.cli import main
 from triaxis.host.engines import DecidingEngine, MeshEngineScene, Question, scene_engine
+from triaxis.host.euclidean import EuclideanEngine, squared_distance
 from triaxis.host.motion.clearance import clearances, places
 from triaxis.host.motion.contact import Rule
 from triaxis.host.motion.curves import arc, centre_by_radius
@@ -58,7 +60,11 @@ def vise_scene(corners, **options):
 
 
 def checked(scene, engine="bulk"):
-    return check_path(scene, scene_engine(engine, scene.a, scene.b, scene.grid.width))
+    deciding = scene_engine(engine, scene.a, scene.b, scene.grid.width)
+    if scene.wanted.euclidean:
+        steps = scene.wanted.clearance / scene.wanted.resolution
+        deciding = EuclideanEngine(deciding, scene.a, scene.b, steps)
+    return check_path(scene, deciding)
 
 
 def exact(facets, move=NOWHERE):
@@ -70,7 +76,10 @@ def exact(facets, move=NOWHERE):
 
 def distance(scene, position):
     moved = exact(scene.tool.facets, scene.in_files(position))
-    return min(judge(a, b, 0).distance for a in moved for b in exact(scene.work.facets))
+    pairs = [(a, b) for a in moved for b in exact(scene.work.facets)]
+    if scene.wanted.euclidean:
+        return Fraction(math.sqrt(min(squared_distance(a, b) for a, b in pairs)))
+    return min(judge(a, b, 0).distance for a, b in pairs)
 
 
 @given(PLACES, PLACES, st.integers(2, 40))
@@ -87,7 +96,8 @@ def test_every_point_of_a_segment_is_within_reach_of_its_sample(start, end, coun
     assert (first.start, first.end, second.end) == (segment.start, second.start, segment.end)
 
 
-def test_no_near_position_is_ever_missed(rng):
+@pytest.mark.parametrize("euclidean", [False, True])
+def test_no_near_position_is_ever_missed(rng, euclidean):
     """Fine subdivisions of random paths against the exact distance, with a grid so coarse that it matters.
 
     Of facets, of an edge and an edge, of a vertex and a facet.
@@ -102,7 +112,8 @@ def test_no_near_position_is_ever_missed(rng):
         # One path in five begins where the two are next to each other, and not in the band around.
         corners = rng.uniform(-4, 4, (3, 3)).round(3) * np.array([[trial % 5 > 0], [1], [1]])
         clearance, step = Fraction(int(rng.integers(0, 60)), 97), Fraction(int(rng.integers(1, 5)), 4)
-        scene = scene_of(tool, work, corners, wanted_of(clearance, Fraction(1, 4), step))
+        wanted = replace(wanted_of(clearance, Fraction(1, 4), step), euclidean=euclidean)
+        scene = scene_of(tool, work, corners, wanted)
         result = checked(scene)
         before = places_before(scene, result.near)
         assert all(distance(scene, place) > clearance for place in before)
