@@ -40,6 +40,8 @@ _FLOW_NAME, _FLOW_WORD = re.compile(r"<([^<>]*)>|(\d+)", re.ASCII), re.compile(r
 _SUBROUTINE = re.compile(r"[\w-]{1,64}", re.ASCII)
 _ENDS = {"sub": ("endsub",), "if": ("elseif", "else", "endif"), "elseif": ("elseif", "else", "endif"),
          "else": ("endif",), "while": ("endwhile",), "do": ("while",), "repeat": ("endrepeat",)}  # fmt: skip
+# Words of macro programs, which stand where a letter and a number would.
+_MACRO = re.compile(r"(?:IF|WHILE|GOTO|DO|END)(?=\s*[\d\[#])", re.IGNORECASE | re.ASCII)
 _OTHER_FLOW = ("call", "return", "break", "continue", "endsub", "endif", "endwhile", "endrepeat")
 
 
@@ -138,7 +140,7 @@ def _without_comments(place: Place, line: str) -> str:
         if match[0] == ";":
             return "".join(kept)
         if match[0] == ")":
-            raise place.error(tail, "')' without '(': remove it")
+            raise place.error(tail, "')' without '(': correct it")
         end = tail.find(")")
         if end < 0:
             raise place.error(tail, "the comment does not end on its line: add ')'")
@@ -162,6 +164,9 @@ def _line(place: Place, body: str) -> Line | _Flow:
     while scanner.blanks():
         start = scanner.at
         try:
+            if match := _MACRO.match(rest, start):
+                why = "macros of a control are not understood: have their moves written by the post-processor"
+                raise place.error(match[0], why)
             if match := _PLAIN.match(rest, start):
                 scanner.at = match.end()
                 words.append(Word(match[1].upper(), number(match[2]), match[0]))
@@ -188,7 +193,9 @@ def _why_no_word(rest: str) -> str:
         return "block delete is understood at the beginning of a line only: move it there"
     if rest[0] == "%":
         return "'%' stands alone on its line: remove it"
-    return "not a letter followed by a decimal number: correct or remove it"
+    if rest[0] == "," and rest[1:2].upper() in ("R", "C"):
+        return "a rounded or a bevelled corner: have its moves written by the post-processor"
+    return "not a letter followed by a decimal number: correct it"
 
 
 def _flow(place: Place, text: str, at: int) -> _Flow | None:

@@ -45,6 +45,10 @@ _LEAST_TOLERANCE = Rational(1, 1000)
 _MOST_HOLES = 10_000
 # Words that may stand beside the one that begins a NURBS.
 _BESIDE_NURBS = frozenset(("G17", "G18", "G19", "G20", "G21", "G61", "G90", "G91", "G93", "G94"))
+# Where controls differ.
+_WITHIN_CYCLES = (
+    "within a series of cycles: end it by G80 before that, and give the whole cycle again after it"
+)
 # Refused words that are told at a time.
 _TOLD = 12
 
@@ -161,17 +165,17 @@ class Interpreter:
         if str(error) not in map(str, self.refused):
             self.refused.append(error)
         if len(self.refused) >= _TOLD:
-            self.tell_refused()
+            raise InputError("there may be more: the rest is not read")
 
-    def tell_refused(self) -> None:
-        """Raise InputError where anything was not understood."""
-        if len(self.refused) == 1:
-            raise self.refused[0]
-        if self.refused:
-            first, *others = (str(error) for error in self.refused)
-            path = str(first).split(": line ")[0]
-            listed = "; ".join((first, *(other.removeprefix(f"{path}: ") for other in others)))
-            raise InputError(listed)
+    def tell_refused(self, end: InputError | None = None) -> None:
+        """Raise InputError where anything was not understood, with what ended the reading before its end."""
+        errors = [*self.refused, end] if end is not None else self.refused
+        if len(errors) == 1:
+            raise errors[0]
+        if errors:
+            first, *others = map(str, errors)
+            path = first.split(": line ")[0]
+            raise InputError("; ".join((first, *(other.removeprefix(f"{path}: ") for other in others))))
 
     def run(self, block: Block) -> bool:
         """Run a line; return whether it ends the program."""
@@ -321,10 +325,10 @@ class Interpreter:
                 why = "changes to the tool that the control has selected, which nobody says: give T before it"
                 raise place.error(word.text, why)
             if number and number not in self.machine.tools:
-                raise place.error(word.text, f"the machine file has no tool {number}: add it")
+                self.refuse(place, word, f"the machine file has no tool {number}: add it")
             self.notes["tool"] = f"line {self.line}: how the machine moves to change tools is not checked"
         elif (number is None or number != self.loaded) and (self.moves or "tool" in self.notes):
-            raise place.error(word.text, "changes the tool, and so its shape: give a machine file with tools")
+            self.refuse(place, word, "changes the tool, and so its shape: give a machine file with tools")
         else:
             self.notes["tool"] = f"line {self.line}: the tool of {word.text} is taken to be the one given"
         # Of moves with an empty spindle nothing is known, but by a tool 0.
@@ -336,7 +340,7 @@ class Interpreter:
             return
         number = int(words["H"].value) if "H" in words else self.loaded
         if "H" in words and number == 0 != self.loaded:
-            why = "the tool in the spindle to some controls, and tool 0 to others: give G43 alone, or G49"
+            why = "the tool in the spindle to some controls, and tool 0 to others: say which, by its number"
             raise place.error(words["H"].text, why)
         self.offset = -1 if number is None else number
         length = self._length(number)
@@ -371,14 +375,15 @@ class Interpreter:
 
     def _zero(self, place: Place, word: Word, system: str) -> Vector:
         if system not in self.zeros:
-            raise place.error(
-                word.text, f"where {system} has its zero, only the machine knows: give a machine file"
-            )
+            why = f"where {system} has its zero, only the machine knows: give a machine file"
+            self.refuse(place, word, why)
+            # What comes of it counts for nothing; what else is not understood is looked for.
+            self.zeros[system] = ORIGIN
         return self.zeros[system]
 
     def _choose_system(self, place: Place, word: Word) -> None:
         if self.modal.motion in CYCLES:
-            raise place.error(word.text, "within a series of cycles: give G80 before it")
+            raise place.error(word.text, _WITHIN_CYCLES)
         self._zero(place, word, word.code)
         self.modal = replace(self.modal, system=word.code)
 
@@ -395,7 +400,7 @@ class Interpreter:
         word, values = group[0], {k: self.length(place, axis) for k, axis in axes.items()}
         code = word.code
         if self.modal.motion in CYCLES and code not in ("G4", "G28", "G30"):
-            raise place.error(word.text, "within a series of cycles: give G80 before it")
+            raise place.error(word.text, _WITHIN_CYCLES)
         if code == "G4" and axes and "P" not in words:
             why = "on a line with G4 a control may take it for a time: split the line"
             raise place.error(next(iter(axes.values())).text, why)
@@ -672,7 +677,7 @@ class Interpreter:
         if self.level is None:
             self.level, self.begun_with = self.position[c], now
         if now != self.begun_with:
-            why = "plane, units or length changed within a series of cycles: give G80 before that"
+            why = f"plane, units or length changed {_WITHIN_CYCLES}"
             raise place.error(self.modal.motion or "", why)
         old = self.level
         clear = old + self.cycle["R"] if relative else origin[c] + self.cycle["R"]
@@ -681,7 +686,9 @@ class Interpreter:
             raise place.error(self.modal.motion or "", "a cycle whose bottom is above R: correct it")
         above = max(old, clear) if self.modal.to_old_height else clear
         if self.modal.to_old_height is None and old > clear:
-            why = "goes up again to R with some controls, with others to where it was: give G98 or G99"
+            why = (
+                "goes up again to R with some controls, with others to where it was: say which, by G99 or G98"
+            )
             raise place.error(self.modal.motion or "", why)
 
         def at(place_in_plane: Vector, height: Fraction) -> Vector:

@@ -43,9 +43,8 @@ def read_program(
     try:
         _run(Execution(path, memory, skip_optional), state, skip_optional, progress)
         state.end()
-    except InputError:
-        state.tell_refused()
-        raise
+    except InputError as error:
+        state.tell_refused(error)
     except RecursionError as error:
         raise InputError(f"{path}: expressions or O words nested too deeply: simplify it") from error
     state.tell_refused()

@@ -122,7 +122,7 @@ REFUSED = [
     ("G0 X1\nF9 G2 X9", 2, "X9", "give I and J, or R"),
     ("G0 X1\nF9 G81 X9 Z-3", 2, "G81", "without its depth"),
     ("G0 X1\nG55 X2", 2, "G55", "where G55 has its zero, only the machine knows"),
-    ("G0 Z9\nF9 G81 X9 Z-3 R2", 2, "G81", "give G98 or G99"),
+    ("G0 Z9\nF9 G81 X9 Z-3 R2", 2, "G81", "say which, by G99 or G98"),
     ("G0 X1\nG64", 2, "G64", "round corners"),
     ("G0 X#<_hal[x]>", 1, "X#<_hal[x]>", "no decimal number"),
     ("G0 X#40", 1, "X#40", "has a value that the program does not give it"),
@@ -134,6 +134,11 @@ REFUSED = [
     ("M250", 1, "M250", "not known"),
     ("G0 X1e3", 1, "e3", "not on the line"),
     ("G0 X1,5", 1, ",5", "not a letter followed by a decimal number"),
+    # No advice that would change the path.
+    ("F9 G1 X1,R2", 1, ",R2", "rounded or a bevelled corner"),
+    ("#5=1\nIF [#5 EQ 1] GOTO 10", 2, "IF", "macros of a control"),
+    ("GOTO 10", 1, "GOTO", "macros of a control"),
+    ("G98 F9 G81 X9 Z-3 R2\nG92 X1\nX20", 2, "G92", "give the whole cycle again after it"),
     ("G0 X", 1, "X", "no decimal number: give one"),
     ("G0 X1 X2", 1, "X2", "stands twice"),
     ("G0 G1 X1 F5", 1, "G1", "exclude each other"),
@@ -188,6 +193,21 @@ def test_all_that_is_not_understood_is_told_at_once(read):
     assert [re.findall(r"line (\d+): word '(\w+)'", one) for one in told if "line" in one] == [
         [("2", "G41")], [("3", "A5")], [("4", "G41")], [("5", "M250")],
     ]  # fmt: skip
+
+
+def test_what_ends_the_reading_is_told_with_what_came_before(read):
+    for lines, words in (
+        ("G0 X1\nG41 D1\nG1 X2 (a\nG68", ["G41", "(a"]),
+        ("G0 X1\nT2 M6\nG55\nG41 D1\nX2 X3", ["M6", "G55", "G41", "X3"]),
+        ("G0 X1\n" + "G41 D1\n" * 20, ["G41"] * 12),
+    ):
+        with pytest.raises(InputError) as refused:
+            read(lines)
+        told = str(refused.value)
+        assert re.findall(r"word '(\S+)'", told) == words
+        # One path, and no limit that is not told.
+        assert told.count("moves.nc") == 1
+        assert ("there may be more" in told) == (len(words) == 12)
 
 
 def test_programs_that_do_not_end_are_refused(read, monkeypatch):
