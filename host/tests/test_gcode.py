@@ -5,6 +5,7 @@ import re
 import shutil
 import string
 from fractions import Fraction
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -19,7 +20,7 @@ from triaxis.host.motion.machine import Machine
 from triaxis.host.motion.machine_file import read_machine
 from triaxis.host.motion.program import read_program
 from triaxis.host.motion.rs274 import completes, read_by_rs274
-from triaxis.host.motion.words import TAKERS, WHY_REFUSED
+from triaxis.host.motion.words import GROUPS, TAKERS, WHY_REFUSED
 
 ORIGIN = (Fraction(0), Fraction(0), Fraction(0))
 
@@ -518,6 +519,32 @@ def test_a_machine_file_says_what_a_program_does_not(read, tmp_path):
         assert any("change of the pallet" in note for note in notes) == tells
 
 
+EVERY_WORD = Path(__file__).with_name("data") / "every_word.nc"
+BEGUN_AT = Fraction(3), Fraction(-2), Fraction(7)
+
+
+def machine_of_both(tmp_path):
+    file, others = tmp_path / "machine.toml", ["G56", "G57", "G58", "G59", "G59.1", "G59.2", "G59.3"]
+    more = "".join(f'"{system}" = [9, 8, 7]\n' for system in others) + "[homes]\nG30 = [0, 0, 5]"
+    file.write_text(MACHINE.replace("path_tolerance = 0.5\n", "").replace("[homes]", more))
+    return read_machine(file)
+
+
+def test_every_word_does_what_it_should(read, tmp_path):
+    lines = EVERY_WORD.read_text().splitlines()
+    words = {word for line in lines for word in re.findall(r"[GM]\d+(?:\.\d)?", re.sub(r"\(.*?\)", "", line))}
+    assert words == set(GROUPS) - {"M30"}
+    wanted = {
+        number: tuple(map(float, told[1].split()))
+        for number, line in enumerate(lines, 1)
+        if (told := re.search(r"\(to (.*)\)", line))
+    }
+    moves = read_program(EVERY_WORD, BEGUN_AT, False, machine_of_both(tmp_path)).moves
+    assert {move.line: tuple(map(float, move.end)) for move in moves} == wanted
+    # The same but for the last word.
+    assert len(read("G21 G0 X1\nM30").moves) == 1
+
+
 BOTH = (
     "G20 G90 F10\n#1=[2/3]\nG0 X1 Y#1 Z.5\nG3 X2 I.5 J0\nG18 G2 X2.5 Z.75 R1\nG17\nG91 G1 X-.25\nG90\n"
     "O1 repeat [2]\nG2 X[#5420+.1] I.05\nO1 endrepeat\nG92 X0\nX.1 Y1 R3\n"
@@ -525,6 +552,8 @@ BOTH = (
     "(PRINT, 1)\n/ T0 M6\n;debug, #5420\nN7 T1 M6 S9 G43 (z stays)\nX.2\nZ1\nG64 P.001\n"
     "/G1 X.5\nG98 G83 X.2 Y.1 Z.3 R.6 Q.1\nG80\nG54 G53 G0 X0\nG28 Z2\nM2\n",
     "G21\nG0 X0\nF100 G17 G2 X10 I5 P2 Z3\nG0 X0 Y5\nG1 X1\n",
+    # It does not print splines, and knows no tool but by M6.
+    re.sub(r"(?s)G17 G5 X.*?G5\.3", "G17", EVERY_WORD.read_text()).replace("M61 Q2", "T2 M6"),
 )
 
 
@@ -532,12 +561,10 @@ BOTH = (
 @pytest.mark.parametrize("text", BOTH)
 def test_linuxcnc_reads_the_same(tmp_path, text):
     """Two readers, of which one is the control's own: the same moves, but for what one of them prints."""
-    program, file = tmp_path / "both.ngc", tmp_path / "machine.toml"
+    program, machine = tmp_path / "both.ngc", machine_of_both(tmp_path)
     program.write_text(text)
-    file.write_text(MACHINE.replace("path_tolerance = 0.5\n", ""))
-    start = (Fraction(3), Fraction(-2), Fraction(7))
-    theirs = read_by_rs274(program, start, True, read_machine(file)).moves
-    ours = read_program(program, start, True, read_machine(file)).moves
+    theirs = read_by_rs274(program, BEGUN_AT, True, machine).moves
+    ours = read_program(program, BEGUN_AT, True, machine).moves
     places = {0: [*theirs], 1: [*ours]}
     # Pecking up and down is one plunge here.
     heights = [{round(float(move.end[2]), 3) for move in moves} for moves in places.values()]
