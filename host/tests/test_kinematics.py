@@ -6,7 +6,6 @@ from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from functools import partial
 from itertools import combinations, product
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -30,6 +29,7 @@ from triaxis.host.motion.rs274 import read_by_rs274
 from triaxis.host.motion.supervision import Supervision, stands_and_turns
 from triaxis.host.quantise import NOWHERE, vector
 from triaxis.host.scene import bulk_near, near_facets
+from triaxis.host.scenes import mesh_data
 from triaxis.host.stl import StlMesh, read_stl
 from triaxis.host.tests.published import read_published
 
@@ -655,11 +655,12 @@ def test_a_tilted_tool_does_not_come_out_along_itself(checked, tmp_path):
         assert status == int(near is not None) and (not near or "the cutter" in report["what"])
 
 
+@pytest.mark.skipif(mesh_data() is None, reason="no real meshes: set TRIAXIS_DATA to a folder with vmc/*.stl")
 def test_a_machining_centre(tmp_path, capsys):
     """The carousel is apart from the head when that is up, and touches it at Z-250."""
-    folder = Path("../shared/data/vmc")
-    if not folder.is_dir():
-        pytest.skip("meshes of a machining centre: ../shared/data is not here")
+    data = mesh_data()
+    assert data is not None
+    folder = data / "vmc"
     for mesh in ("base", "head", "saddle", "table", "carousel"):
         (tmp_path / f"{mesh}.stl").write_bytes((folder / f"{mesh}.stl").read_bytes())
     scenes.write_stl(tmp_path / "tool.stl", scenes.box((-0.3, -0.3, 0), (0.3, 0.3, 5)))
