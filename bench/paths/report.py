@@ -95,7 +95,7 @@ def relief(squares: int) -> Facets:
     top = [np.stack(half, 2).reshape(-1, 3, 3) for half in (lower, upper)]
     # Round the border, with what is inside on the left.
     border = np.concatenate([p[:-1, 0], p[-1, :-1], p[:0:-1, -1], p[0, :0:-1]])
-    apex = np.broadcast_to(np.float32([0, 0, _APEX]), border.shape)
+    apex = np.broadcast_to(np.array([0, 0, _APEX], np.float32), border.shape)
     return np.concatenate([*top, np.stack([np.roll(border, -1, 0), border, apex], 1)])
 
 
