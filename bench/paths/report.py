@@ -36,8 +36,8 @@ PLANTED, ASKED = 100, 50
 _SIZE, _RADIUS = 100.0, 5.0
 # Millimetres of the tip above the relief under it; wanted clearance.
 _ABOVE, _CLEARANCE, _LENGTH = 1.5, Fraction(1, 2), Fraction(4, 1000)
-# Below the relief, where it is closed; of a planted move that grazes, above the hill.
-_APEX, _GRAZED = -60.0, 0.45
+# Of the relief, below all hills and what is lowered into them; of a planted move that grazes, above the hill.
+_BOTTOM, _GRAZED = -12.0, 0.45
 # Of the planted move, in a program.
 _PLANTED_LINE = 5
 # Between valleys, along X: the length of a wave.
@@ -74,7 +74,7 @@ class PeerFigures:
 def add_path(parser: argparse.ArgumentParser) -> None:
     """Add the command's arguments."""
     parser.description = (
-        f"Check a program of {MOVES:,} moves against {2 * SQUARES**2 + 4 * SQUARES:,} facets, plant "
+        f"Check a program of {MOVES:,} moves against {2 * SQUARES**2 + 12 * SQUARES:,} facets, plant "
         f"{PLANTED} collisions in it, and ask packages for continuous motion about the same. Writes "
         "build/bench/path.json."
     )
@@ -87,7 +87,7 @@ def height(x: Reals, y: Reals) -> Reals:
 
 
 def relief(squares: int) -> Facets:
-    """Return the relief as facets (2 squares^2 + 4 squares, 3, 3), closed by a pyramid that stands below."""
+    """Return the relief as facets (2 squares^2 + 12 squares, 3, 3), closed by walls and a bottom."""
     along = np.linspace(-_SIZE / 2, _SIZE / 2, squares + 1)
     x, y = np.meshgrid(along, along, indexing="ij")
     p = np.stack([x, y, height(x, y)], -1).astype(np.float32)
@@ -95,8 +95,12 @@ def relief(squares: int) -> Facets:
     top = [np.stack(half, 2).reshape(-1, 3, 3) for half in (lower, upper)]
     # Round the border, with what is inside on the left.
     border = np.concatenate([p[:-1, 0], p[-1, :-1], p[:0:-1, -1], p[0, :0:-1]])
-    apex = np.broadcast_to(np.array([0, 0, _APEX], np.float32), border.shape)
-    return np.concatenate([*top, np.stack([np.roll(border, -1, 0), border, apex], 1)])
+    following = np.roll(border, -1, 0)
+    low, low_following, middle = (end.copy() for end in (border, following, np.zeros_like(border)))
+    for end in (low, low_following, middle):
+        end[:, 2] = _BOTTOM
+    rest = [(following, border, low), (following, low, low_following), (low_following, low, middle)]
+    return np.concatenate([*top, *(np.stack(corners, 1) for corners in rest)])
 
 
 def ball_nosed(sides: int) -> Facets:

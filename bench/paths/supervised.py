@@ -36,7 +36,7 @@ from triaxis.sim.simulated_line import SimulatedLine, SimulatedWire
 RESULT = FOLDER / "follow.json"
 SEGMENTS, PLANTED = 100_000, 1000
 # Longest segment, in mm; squares and sides of the meshes; facets that the board holds.
-_LENGTH, _SQUARES, _SIDES, _DEPTH = Fraction(11, 10), 30, 16, 2048
+_LENGTH, _SQUARES, _SIDES, _DEPTH = Fraction(11, 10), 28, 16, 2048
 # Time is drawn out a hundred times, so that a hold is a small part of what an answer takes.
 _CLOCKS_PER_SECOND, _HOLD_CLOCKS = 1_000_000, 1000
 # Of the fastest axis, in mm/s; hold that is aimed at, in ms; lag, in seconds, with two questions in it.

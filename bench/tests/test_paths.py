@@ -19,7 +19,7 @@ from triaxis.host.enclosure import solid_of
 @pytest.mark.long
 def test_a_small_program_is_clear_and_what_is_planted_is_found(tmp_path):
     ours = paths.measured(tmp_path, 400, 30, 4, lambda _: None)
-    assert (ours.clear, ours.missed, ours.moves, ours.facets) == (True, 0, 402, 1920)
+    assert (ours.clear, ours.missed, ours.moves, ours.facets) == (True, 0, 402, 2160)
     assert not paths.findings(ours, [], []).problems
     assert paths.findings(replace(ours, missed=1), [], []).problems == [
         "1 of 4 planted collisions were missed"
