@@ -128,11 +128,9 @@ def read_moves(options: argparse.Namespace) -> tuple[Program, Machine, Tool | No
     machine = (
         read_machine(options.tool, options.scale) if options.tool.suffix.lower() == ".toml" else Machine()
     )
-    if options.reader == "rs274":
-        program = read_by_rs274(options.moves, start, options.block_delete, machine)
-    else:
-        with progress_bar("lines read", read_input(options.moves).count(b"\n")) as progress:
-            program = read_program(options.moves, start, options.block_delete, machine, progress)
+    reader = read_by_rs274 if options.reader == "rs274" else read_program
+    with progress_bar("lines read", read_input(options.moves).count(b"\n")) as progress:
+        program = reader(options.moves, start, options.block_delete, machine, progress)
     given = Tool(0, read_stl(options.tool), str(options.tool)) if not machine.tools else None
     return program, machine, given
 

@@ -1,11 +1,11 @@
 """Programs as files: from their lines to the moves of a tool in millimetres."""
 
-from collections.abc import Callable
 from fractions import Fraction
 from pathlib import Path
 
 from triaxis.golden.errors import InputError
 from triaxis.golden.exact import Rational
+from triaxis.host.engines import Progress, unwatched
 from triaxis.host.motion.expression import Memory
 from triaxis.host.motion.gcode import Execution
 from triaxis.host.motion.interpreter import ORIGIN, Interpreter, Modal
@@ -14,12 +14,12 @@ from triaxis.host.motion.moves import Program, assumed_start
 from triaxis.host.quantise import Vector, vector
 
 # Lines after which progress is told.
-_TOLD = 1000
+TOLD_AFTER = 1000
 
 
 def read_program(
     path: Path, start: Vector | None, skip_optional: bool = False, machine: Machine | None = None,
-    progress: Callable[[int], object] | None = None,
+    progress: Progress = unwatched,
 ) -> Program:  # fmt: skip
     """Read the moves of a program that begins at ``start``, in millimetres; None: nobody has said where.
 
@@ -57,12 +57,10 @@ def read_program(
     return Program(path, tuple(state.moves), tuple(state.notes.values()), changes)
 
 
-def _run(
-    execution: Execution, state: Interpreter, skip_optional: bool, progress: Callable[[int], object] | None
-) -> None:
+def _run(execution: Execution, state: Interpreter, skip_optional: bool, progress: Progress) -> None:
     told = 0
     for block in execution.blocks():
-        if progress is not None and block.line >= told + _TOLD:
+        if block.line >= told + TOLD_AFTER:
             progress(block.line - told)
             told = block.line
         if block.optional:

@@ -22,6 +22,7 @@ from pathlib import Path
 from triaxis.golden.errors import InputError
 from triaxis.golden.exact import Rational
 from triaxis.golden.input_file import Place, read_input
+from triaxis.host.engines import Progress, unwatched
 from triaxis.host.motion.curves import SLACK, Curve, Turned, arc
 from triaxis.host.motion.expression import ARGUMENTS, number
 from triaxis.host.motion.gcode import AFTER_THE_END
@@ -29,7 +30,7 @@ from triaxis.host.motion.interpreter import PALLET
 from triaxis.host.motion.kinematics import ROTARY
 from triaxis.host.motion.machine import SYSTEMS, Machine
 from triaxis.host.motion.moves import Move, Program, assumed_start
-from triaxis.host.motion.program import read_program
+from triaxis.host.motion.program import TOLD_AFTER, read_program
 from triaxis.host.quantise import NOWHERE, Vector, added, vector
 
 _PROGRAM = "rs274"
@@ -352,7 +353,9 @@ def _interpret(
         ).returncode  # fmt: skip
 
 
-def read_by_rs274(path: Path, start: Vector | None, skip_optional: bool, machine: Machine) -> Program:
+def read_by_rs274(
+    path: Path, start: Vector | None, skip_optional: bool, machine: Machine, progress: Progress = unwatched
+) -> Program:
     """Read a program as `program.read_program` does; raise InputError where the interpreter refuses it."""
     lines = _lines_of(path)
     _check_installed()
@@ -388,7 +391,7 @@ def read_by_rs274(path: Path, start: Vector | None, skip_optional: bool, machine
         state = _Told(path, machine, machine.loaded, tolerance=machine.tolerance or Fraction(0), split=split)
         state.turns = turns
         with (folder / _PRINTED).open(errors="replace") as calls:
-            spline = _take(state, calls)
+            spline = _take(state, calls, progress)
     if spline is not None:
         program = read_program(path, start, skip_optional, machine)
         note = f"line {spline}: a spline, which it does not print: the program was read without rs274"
@@ -407,12 +410,12 @@ def read_by_rs274(path: Path, start: Vector | None, skip_optional: bool, machine
     return Program(path, tuple(state.moves), tuple(filter(None, state.notes.values())), changes)
 
 
-def _take(state: _Told, calls: Iterable[str]) -> int | None:
+def _take(state: _Told, calls: Iterable[str], progress: Progress) -> int | None:
     """Take calls, a line each; return the program's line of the first that is a spline, which ends it.
 
-    Raises InputError where one is not understood.
+    ``progress`` is told of the program's lines. Raises InputError where a call is not understood.
     """
-    line = 0
+    line = done = 0
     for told in calls:
         match = _CALL.fullmatch(told)
         if match is None:
@@ -423,6 +426,9 @@ def _take(state: _Told, calls: Iterable[str]) -> int | None:
         # What stands in another file has no number: it is of the line before, which is that of the call.
         numbered = match[1].isdigit()
         line = int(match[1]) if numbered else line
+        if line >= done + TOLD_AFTER:
+            progress(line - done)
+            done = line
         try:
             state.told(line, match[2], match[3], numbered)
         except ValueError as error:

@@ -557,6 +557,16 @@ BOTH = (
 )
 
 
+@pytest.mark.parametrize("reader", [read_program, read_by_rs274])
+def test_progress_is_told_while_a_program_is_read(reader, tmp_path):
+    if reader is read_by_rs274 and shutil.which("rs274") is None:
+        pytest.skip("rs274 (linuxcnc-uspace) is not installed")
+    file, done = tmp_path / "long.nc", list[int]()
+    file.write_text("G21 G90 F100 G0 X0\n" + "".join(f"G1 X{n}\n" for n in range(1, 3500)))
+    assert len(reader(file, BEGUN_AT, False, Machine(), done.append).moves) == 3500
+    assert len(done) == 3 and 3000 <= sum(done) <= 3500
+
+
 @pytest.mark.skipif(shutil.which("rs274") is None, reason="rs274 (linuxcnc-uspace) is not installed")
 @pytest.mark.parametrize("text", BOTH)
 def test_linuxcnc_reads_the_same(tmp_path, text):
