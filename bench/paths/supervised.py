@@ -143,7 +143,7 @@ def supervised(folder: Path, segments: int, planted: int, progress: Progress) ->
         low = 1 + next(number for number, piece in enumerate(found) if piece.line > _APPROACHED)
         places = {low + (2 * place + 1) * (len(found) - low) // (2 * planted) for place in range(planted)}
         assert len(places) == planted
-        stops, said, asked = 0, False, 0
+        stops, said, asked, shown = 0, False, 0, 0
         missed = late = reaction = cycles = most = 0
 
         def plant(translation: Translation, margin: int, hold: int) -> None:
@@ -162,7 +162,7 @@ def supervised(folder: Path, segments: int, planted: int, progress: Progress) ->
             progress(1)
 
         def permit(translation: Translation, margin: int, hold: int, *_: object) -> bool:
-            nonlocal stops, said
+            nonlocal stops, said, shown
             if asked in places:
                 places.remove(asked)
                 plant(translation, margin, hold)
@@ -172,7 +172,8 @@ def supervised(folder: Path, segments: int, planted: int, progress: Progress) ->
             # From the first go on it is said at every clock.
             stops += said and top.go_clocks - before != top.clocks - since
             said = said or top.go
-            progress(int(follower.permitted < len(found)))
+            progress(follower.permitted - shown)
+            shown = follower.permitted
             return clear
 
         def ahead(number: int, *_: object) -> None:
