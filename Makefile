@@ -119,7 +119,7 @@ test: lint ## lint, then the tests of every part that are quick
 test-long: $(READY) $(YOSYS) $(DVSIM) ## those that take longer: what needs yosys, whole environments: a quarter of an hour
 	@$(BIN)/pytest -n 2 -m "($(LONG)) and not regress" --durations 20 --durations-min 20
 
-unit: $(READY) ## the tests that need no simulator, prover or synthesiser: two minutes
+unit: $(READY) ## the tests that need no simulator, prover or synthesiser: a minute or two
 	@$(BIN)/pytest -n 2 -m "not (simulator or $(LONG) or regress)"
 
 # What `make cold` runs, and whether all cores are kept busy meanwhile.
