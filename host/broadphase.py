@@ -1,20 +1,27 @@
-"""Which facet pairs can be near at all.
+"""Which facet pairs can be near at all, and which is found near first.
 
 Which boxes of two sets overlap is found without comparing all with all, by two trees of boxes, opened
 together. A tree stands over its boxes in Morton order (G. M. Morton, A computer oriented geodetic data base
 and a new technique in file sequencing, 1966: the bits of the three coordinates are interleaved, the highest
 first); `FAN` neighbours make a node, `FAN` nodes a node above them. Pairs of nodes that overlap are opened
-from the roots to the leaves, the larger nodes first, as in S. Gottschalk, M. C. Lin, D. Manocha, OBBTree,
-SIGGRAPH 1996, but with axis-parallel boxes, and a whole level of pairs at a time, so that NumPy has long
-arrays to work at. A box of a node holds those of its leaves: no order of the leaves can lose a pair. All
-comparisons are of integers.
+from the roots to the leaves, the larger node first, as in S. Gottschalk, M. C. Lin, D. Manocha, OBBTree,
+SIGGRAPH 1996, but with axis-parallel boxes; natively, by broadphase.cpp. A box of a node holds those of its
+leaves: no order of the leaves can lose a pair. All comparisons are of integers.
 """
 
+import ctypes
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
 
 import numpy as np
 import numpy.typing as npt
+
+from triaxis.golden.errors import InputError
+from triaxis.golden.native import native_library
+from triaxis.golden.pairs import MAX_WIDTH, coordinate_range
+from triaxis.sim.paths import ROOT
 
 Integers = npt.NDArray[np.int64]
 
@@ -57,41 +64,71 @@ def _interleaved(place: Integers) -> npt.NDArray[np.uint64]:
     return spread[:, 0] | spread[:, 1] << np.uint64(1) | spread[:, 2] << np.uint64(2)
 
 
-# Nodes below a node: of 2, 4, 8 and 16 the fastest on noisy spheres of 10^5 and 10^6 facets.
-FAN = 4
-# Pairs of nodes opened at a time, such that the arrays stay in the processor's cache.
-_SLICE = 1 << 12
+# Nodes below a node, and the most near pairs of an answer, as broadphase.cpp has them.
+FAN, _FEW = 4, 64
 # A corner beyond all coordinates: what is padded with it overlaps nothing.
 _BEYOND = 1 << 62
+# Pairs in a block: they stay in the processor's cache.
+_BLOCK = 1 << 14
+
+
+@cache
+def _native() -> ctypes.CDLL:
+    """Return broadphase.cpp with the bulk checker's claims."""
+    golden = ROOT / "golden"
+    sources = Path(__file__).with_suffix(".cpp"), golden / "bulk_claims.cpp"
+    library = native_library("broadphase", sources, sorted(golden.glob("bulk_*.h")))
+    # The type of each argument: "p" an address, "i" an integer of 64 bits.
+    for name, arguments in {
+        "triaxis_search_size": "",
+        "triaxis_search": "ppippipp",
+        "triaxis_search_next": "pipp",
+        "triaxis_first_near": "ppppippippp",
+    }.items():
+        function = getattr(library, name)
+        function.argtypes = [ctypes.c_void_p if kind == "p" else ctypes.c_int64 for kind in arguments]
+        function.restype = ctypes.c_int64
+    return library
 
 
 class BoxTree:
     """Boxes (N, 2, 3), low and high corner in LSB, below 2^60 in size, under a tree. N is at least 1.
 
-    ``levels`` are the nodes by height, leaves first: (L, 6), the low corner and minus the high corner, so
-    that the box of a node is the minimum of those below it. All levels but the root's are padded to a
-    multiple of `FAN`. ``order``: the number of the box of each leaf, (N,). ``sizes``: the mean of the sum of
-    the three sides, of the nodes at each height.
+    ``levels`` are the nodes by height, leaves first: (L, 8), the low corner and minus the high corner, so
+    that the box of a node is the minimum of those below it, each with its first coordinate again, to fill a
+    register. All levels but the root's are padded to a multiple of `FAN`. ``order``: the number of the box of
+    each leaf, (N,).
     """
 
     def __init__(self, boxes: Integers) -> None:
         """Build the tree."""
-        self.order = morton_order(boxes)
-        level = np.concatenate([boxes[:, 0], -boxes[:, 1]], 1)[self.order]
+        self.order = np.ascontiguousarray(morton_order(boxes))
+        level = _rows(boxes[:, 0], -boxes[:, 1])[self.order]
         self.levels: list[Integers] = []
-        self.sizes = [_size(level)]
         while len(level) > 1:
-            padded = np.full((-(-len(level) // FAN) * FAN, 6), _BEYOND)
+            padded = np.full((-(-len(level) // FAN) * FAN, 8), _BEYOND)
             padded[: len(level)] = level
             self.levels.append(padded)
-            level = padded.reshape(-1, FAN, 6).min(1)
-            self.sizes.append(_size(level))
+            level = padded.reshape(-1, FAN, 8).min(1)
         self.levels.append(level)
+        self._addresses = np.array([level.ctypes.data for level in self.levels], np.uint64)
+        # What broadphase.cpp is given.
+        self.native = self._addresses.ctypes.data, len(self.levels) - 1, self.order.ctypes.data
+
+    @property
+    def low(self) -> Integers:
+        """Return the low corner (3,) of all boxes."""
+        return self.levels[-1][0, :3]
+
+    @property
+    def high(self) -> Integers:
+        """Return their high corner (3,)."""
+        return -self.levels[-1][0, 4:7]
 
 
-def _size(level: Integers) -> float:
-    """Return the mean of the sum of the three sides of boxes (L, 6)."""
-    return float(-level.sum(1, np.float64).mean())
+def _rows(low: Integers, minus_high: Integers) -> Integers:
+    """Return corners (N, 3) as rows (N, 8) of broadphase.cpp."""
+    return np.concatenate([low, low[:, :1], minus_high, minus_high[:, :1]], 1)
 
 
 @dataclass
@@ -101,122 +138,6 @@ class Work:
     compared: int = 0
 
 
-@dataclass(frozen=True)
-class Poses:
-    """Translations of A (P, 3) from where its tree has it, each with its margin (P,)."""
-
-    moves: Integers
-    margins: Integers
-
-    def room(self, sign: int) -> Integers:
-        """Return what corners of A, or with -1 of B, may exceed their limits in the other by: (6, P)."""
-        move = sign * self.moves
-        return np.concatenate([self.margins[:, None] - move, self.margins[:, None] + move], 1).T
-
-    def __getitem__(self, chosen: Integers) -> "Poses":
-        """Return some of them."""
-        return Poses(self.moves[chosen], self.margins[chosen])
-
-    def __len__(self) -> int:
-        """Return how many there are."""
-        return len(self.margins)
-
-
-# Numbers of poses, of boxes of A and of boxes of B, (K,) each.
-Meetings = tuple[Integers, Integers, Integers]
-
-
-def overlapping(
-    a: BoxTree, b: BoxTree, poses: Poses, most: int | None, work: Work, partly: bool = False
-) -> tuple[Meetings, npt.NDArray[np.bool_]] | None:
-    """Return pairs of boxes that come within a pose's margin, in no order, and at which poses all are there.
-
-    ``most``: pairs of nodes that are followed on at a pose. Where there are more, the others are left out if
-    ``partly``: those that overlap by less along the axis where they do least. Else None is returned. So the
-    memory is bounded.
-    """
-    height_a, height_b = len(a.levels) - 1, len(b.levels) - 1
-    room_a, room_b = poses.room(1), poses.room(-1)
-    complete = np.ones(len(poses), bool)
-    # The roots themselves: each is its tree's only node, but they may be apart.
-    limits = room_a - np.roll(b.levels[-1][0], 3)[:, None]
-    pose = np.flatnonzero((limits >= a.levels[-1].T).all(0))
-    i = j = np.zeros(len(pose), np.int64)
-    while len(pose) and (height_a or height_b):
-        # The larger nodes are opened: small ones that meet a large one are as many as they are for long.
-        if not height_a or (height_b and b.sizes[height_b] > a.sizes[height_a]):
-            height_b -= 1
-            pose, j, i = _opened(b.levels[height_b], a.levels[height_a], (pose, j, i), room_b, work)
-        else:
-            height_a -= 1
-            pose, i, j = _opened(a.levels[height_a], b.levels[height_b], (pose, i, j), room_a, work)
-        if most is None or len(pose) <= most:
-            continue
-        many = np.bincount(pose, minlength=len(poses)) > most
-        if many.any():
-            if not partly:
-                return None
-            complete &= ~many
-            kept = _deepest(a.levels[height_a], b.levels[height_b], (pose, i, j), room_a, many, most)
-            pose, i, j = pose[kept], i[kept], j[kept]
-    return (pose, a.order[i], b.order[j]), complete
-
-
-def _deepest(
-    level_a: Integers,
-    level_b: Integers,
-    met: Meetings,
-    room: Integers,
-    many: npt.NDArray[np.bool_],
-    most: int,
-) -> Integers:
-    """Return which pairs of nodes are followed on: all at most poses, at those with many the deepest."""
-    among = many[met[0]]
-    chosen = np.flatnonzero(among)
-    pose, i, j = (numbers[chosen] for numbers in met)
-    # A corner of the one and the opposite corner of the other: how far they are beyond the margin.
-    apart = np.ascontiguousarray(level_a[i].T)
-    apart += np.roll(level_b[j].T, 3, 0)
-    apart -= room[:, pose]
-    order = np.lexsort((apart.max(0), pose))
-    counts = np.bincount(pose, minlength=len(many))[many]
-    rank = np.arange(len(pose)) - np.repeat(np.cumsum(counts) - counts, counts)
-    return np.concatenate([np.flatnonzero(~among), chosen[order[rank < most]]])
-
-
-def _opened(below: Integers, other: Integers, met: Meetings, room: Integers, work: Work) -> Meetings:
-    """Return which nodes of ``below``, the level under those of ``met``, overlap their node's opposite one.
-
-    The opposite ones are nodes of the level ``other``; ``room`` (6, P): what a corner may exceed its limit by
-    at each pose.
-    """
-    families, room_across = below.reshape(-1, FAN * 6), np.roll(room, 3, 0)
-    parts: list[Meetings] = []
-    for start in range(0, len(met[0]), _SLICE):
-        pose, parent, facing = (numbers[start : start + _SLICE] for numbers in met)
-        count = len(parent)
-        # Corners first and pairs last: the comparisons run along contiguous memory.
-        children = np.ascontiguousarray(families[parent].T).reshape(FAN, 6, count)
-        limits = np.ascontiguousarray(other[facing].T)
-        # One pose serves all pairs.
-        np.subtract(room_across if len(room.T) == 1 else room_across[:, pose], limits, out=limits)
-        overlap = children[:, 0] <= limits[3]
-        for corner in range(1, 6):
-            overlap &= children[:, corner] <= limits[(corner + 3) % 6]
-        hit = np.flatnonzero(overlap)
-        child = hit // count
-        pair = hit - child * count
-        parts.append((pose[pair], parent[pair] * FAN + child, facing[pair]))
-        work.compared += FAN * count
-    pose, node, opposite = (np.concatenate(part) for part in zip(*parts, strict=True))
-    return pose, node, opposite
-
-
-# Pairs in a block, and facets of A in it: they bound the memory, whatever the meshes.
-_BLOCK = 1 << 20
-_FACETS = 1 << 14
-
-
 class FacetTrees:
     """The facets of two meshes (N, 3, 3), (M, 3, 3), in LSB, below 2^60 in size, under trees built once.
 
@@ -224,77 +145,70 @@ class FacetTrees:
     """
 
     def __init__(self, a: Integers, b: Integers) -> None:
-        """Build the trees: of A a tree over each few of its facets in turn, to be opened in that order."""
-        self._a, self._count_b = _boxes(a), len(b)
-        self._b = BoxTree(_boxes(b)) if len(b) else None
-        # By the first facet and the one after the last.
-        self._kept: dict[tuple[int, int], BoxTree] = {}
+        """Build the trees."""
+        self._a, self._b = (np.ascontiguousarray(facets, np.int64) for facets in (a, b))
+        empty = not len(a) or not len(b)
+        self._trees = None if empty else (BoxTree(_boxes(self._a)), BoxTree(_boxes(self._b)))
 
     def candidates(
-        self, move: Integers, margin: int, work: Work | None = None, in_order: bool = True
+        self, move: Integers, margin: int, work: Work | None = None, block: int = _BLOCK
     ) -> Iterator[tuple[Integers, Integers]]:
-        """Yield what `candidates` does, of A translated by ``move`` (3,).
+        """Yield what `candidates` does, of A translated by ``move`` (3,), in blocks of so many pairs.
 
-        ``in_order``: within a block, too.
+        Those whose boxes, and those above them, overlap by most come early.
         """
-        work = Work() if work is None else work
-        pose = Poses(move[None], np.array([margin], np.int64))
-        for start, end in self._pieces():
-            for i, j in self._of(start, end, pose, work):
-                if in_order:
-                    # One number a pair sorts several times faster than two.
-                    key = np.sort(i * self._count_b + j)
-                    i = key // self._count_b
-                    yield i, key - i * self._count_b
-                else:
-                    yield i, j
+        if self._trees is None:
+            return
+        search = self._search(move, margin)
+        found = np.empty((2, block), np.int64)
+        i, j = (numbers.ctypes.data for numbers in found)
+        while count := _native().triaxis_search_next(search.ctypes.data, block, i, j):
+            yield found[0, :count].copy(), found[1, :count].copy()
+        if work is not None:
+            # Its first field.
+            work.compared += int(search[0])
 
-    def some(self, poses: Poses, most: int) -> tuple[Meetings, npt.NDArray[np.bool_]]:
-        """Return candidates of each pose, and at which all are there: where they are at most so many."""
-        complete, work = np.ones(len(poses), bool), Work()
-        none = np.empty(0, np.int64)
-        found: list[Meetings] = [(none, none, none)]
-        for start, end in self._pieces():
-            assert self._b
-            met = overlapping(self._tree(start, end), self._b, poses, most, work, partly=True)
-            assert met
-            (pose, i, j), whole = met
-            found.append((pose, i + start, j))
-            complete &= whole
-        pose, i, j = (np.concatenate(part) for part in zip(*found, strict=True))
-        return (pose, i, j), complete
+    def first_near(self, move: Integers, margin: int, likely: Integers) -> tuple[Integers, int]:
+        """Decide pairs of A translated by ``move`` (3,) until some are near: ``likely`` (K, 2), then all.
 
-    def _pieces(self) -> Iterator[tuple[int, int]]:
-        """Yield which facets of A have a tree of their own."""
-        for start in range(0, len(self._a) if self._b else 0, _FACETS):
-            yield start, min(start + _FACETS, len(self._a))
+        Returns what is near (L, 2), nothing where all pairs are clear, and how many pairs were decided:
+        without the likely ones where these did not suffice. Raises InputError where 32 bits do not.
+        """
+        found, count = np.empty((2, _FEW), np.int64), np.zeros(1, np.int64)
+        if self._trees is None:
+            return found[:, :0].T, 0
+        a, b = self._trees
+        least, most = coordinate_range(MAX_WIDTH)
+        low, high = np.minimum(a.low + move, b.low), np.maximum(a.high + move, b.high)
+        if low.min() < least or high.max() > most or not 0 <= margin < 1 << MAX_WIDTH:
+            raise InputError(f"coordinates {low.min()}..{high.max()}, margin {margin}: 32 bits are the most")
+        search, before = self._search(move, margin), np.ascontiguousarray(likely.T, np.int64)
+        near = _native().triaxis_first_near(
+            search.ctypes.data, self._a.ctypes.data, self._b.ctypes.data, move.ctypes.data, margin,
+            before[0].ctypes.data, before[1].ctypes.data, len(likely),
+            found[0].ctypes.data, found[1].ctypes.data, count.ctypes.data,
+        )  # fmt: skip
+        return found[:, :near].T, int(count[0])
 
-    def _tree(self, start: int, end: int) -> BoxTree:
-        if (start, end) not in self._kept:
-            self._kept[start, end] = BoxTree(self._a[start:end])
-        return self._kept[start, end]
-
-    def _of(self, start: int, end: int, pose: Poses, work: Work) -> Iterator[tuple[Integers, Integers]]:
-        assert self._b
-        most = _BLOCK if end - start > 1 else None
-        found = overlapping(self._tree(start, end), self._b, pose, most, work)
-        if found is None:
-            middle = (start + end) // 2
-            yield from self._of(start, middle, pose, work)
-            yield from self._of(middle, end, pose, work)
-        elif len(found[0][0]):
-            yield found[0][1] + start, found[0][2]
+    def _search(self, move: Integers, margin: int) -> Integers:
+        """Return a search that has begun."""
+        assert self._trees
+        a, b = self._trees
+        # By what corners of A may exceed their limits in B.
+        room = _rows((margin - move)[None], (margin + move)[None])
+        search = np.empty(_native().triaxis_search_size() // 8, np.int64)
+        _native().triaxis_search(search.ctypes.data, *a.native, *b.native, room.ctypes.data)
+        return search
 
 
 def candidates(
     a: Integers, b: Integers, margin: int, work: Work | None = None
 ) -> Iterator[tuple[Integers, Integers]]:
-    """Yield facet numbers (i of A, j of B) whose boxes come within the margin, block by block, in order.
+    """Yield facet numbers (i of A, j of B) whose boxes come within the margin, block by block, in no order.
 
     ``a`` and ``b`` have shape (N, 3, 3), in LSB, below 2^60 in size. Exact: all pairs but those that a box
-    axis separates by more than the margin, each once, by i and then by j. A block has at most 2^20 pairs,
-    or those of a single facet of A. Time grows like (N + M) log (N + M) and the number of pairs, where
-    facets are spread as on surfaces; ``work`` is told what was compared.
+    axis separates by more than the margin, each once. Time grows like (N + M) log (N + M) and the number of
+    pairs, where facets are spread as on surfaces; ``work`` is told what was compared.
     """
     if not len(a) or not len(b):
         return
@@ -306,6 +220,17 @@ def candidates(
     trees = FacetTrees(a[number_a], b[number_b])
     for i, j in trees.candidates(np.zeros(3, np.int64), margin, work):
         yield number_a[i], number_b[j]
+
+
+def all_candidates(a: Integers, b: Integers, margin: int) -> Integers:
+    """Return those of all blocks, (K, 2), in order."""
+    blocks = [np.stack(block, 1) for block in candidates(a, b, margin)]
+    return in_order(np.concatenate([np.empty((0, 2), np.int64), *blocks]))
+
+
+def in_order(pairs: Integers) -> Integers:
+    """Return facet pairs (K, 2) by their number in A, then in B."""
+    return pairs[np.lexsort((pairs[:, 1], pairs[:, 0]))]
 
 
 def _boxes(facets: Integers) -> Integers:

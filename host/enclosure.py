@@ -36,7 +36,7 @@ import numpy as np
 import numpy.typing as npt
 
 from triaxis.golden.errors import InputError
-from triaxis.host.broadphase import candidates
+from triaxis.host.broadphase import all_candidates, candidates
 from triaxis.host.scene import bulk_near, near_facets
 
 Integers = npt.NDArray[np.int64]
@@ -190,13 +190,12 @@ def _crossings(points: Integers, facets: Integers) -> tuple[Integers, Integers, 
     no facet that is seen edge on. No number need be chosen: comparisons that tie at (0, 0) are decided by
     d and e. As no point is on a facet, that little moves no crossing from above a point to below it.
     """
-    none = np.empty(0, np.int64)
     if not len(points) or not len(facets):
+        none = np.empty(0, np.int64)
         return none, none, none
     ends = points.copy()
     ends[:, 2] = np.maximum(ends[:, 2], facets[..., 2].max())
-    found = [(none, none), *candidates(np.stack([points, ends, ends], 1), facets, 0)]
-    point, facet = (np.concatenate(numbers) for numbers in zip(*found, strict=True))
+    point, facet = all_candidates(np.stack([points, ends, ends], 1), facets, 0).T
     corners = np.concatenate([points, facets.reshape(-1, 3)])
     exact = _exact_type(int((corners.max(0) - corners.min(0)).max()))
     sign = _seen(facets[facet].astype(exact), points[point].astype(exact))

@@ -11,8 +11,6 @@ from triaxis.host.scene import FacetPairs, MeshPair, bulk_near, distance_of, nea
 
 # Pairs of which the exact distance is computed.
 _JUDGED = 2000
-# Pairs that are decided at a time in search of them.
-_AT_ONCE = 1 << 14
 
 
 @dataclass(frozen=True)
@@ -53,7 +51,7 @@ def least_distance(meshes: MeshPair, euclidean: bool) -> Least:
 def _nearest(meshes: MeshPair, reach: Fraction) -> FacetPairs:
     """Return facet pairs within so many steps: more than are judged where there are more, but not all."""
     margin, found = min(-int(-reach // 1), (1 << meshes.grid.width) - 1), [NO_PAIRS]
-    for _, near in near_facets(meshes.a, meshes.b, margin, bulk_near, _AT_ONCE):
+    for _, near in near_facets(meshes.a, meshes.b, margin, bulk_near):
         found.append(near)
         if sum(map(len, found)) > _JUDGED:
             break

@@ -165,31 +165,23 @@ def prepare(
 
 
 def near_facets(
-    a: npt.NDArray[np.int64], b: npt.NDArray[np.int64], margin: int, decide: Decide, at_once: int = 1 << 20
+    a: npt.NDArray[np.int64], b: npt.NDArray[np.int64], margin: int, decide: Decide
 ) -> Iterator[tuple[int, FacetPairs]]:
-    """Yield, piece by piece, how many pairs were decided, and which (i of A, j of B) are near: (K, 2).
+    """Yield, block by block, how many pairs were decided, and which (i of A, j of B) are near: (K, 2).
 
-    ``a`` and ``b`` have shape (N, 3, 3). A piece has at most ``at_once`` pairs.
+    ``a`` and ``b`` have shape (N, 3, 3).
     """
-    return near_of(candidates(a, b, margin), a, b, NOT_MOVED, margin, decide, at_once)
+    return near_of(candidates(a, b, margin), a, b, NOT_MOVED, margin, decide)
 
 
 def near_of(
     blocks: Iterator[tuple[npt.NDArray[np.int64], npt.NDArray[np.int64]]], a: npt.NDArray[np.int64],
-    b: npt.NDArray[np.int64], move: npt.NDArray[np.int64], margin: int, decide: Decide, at_once: int,
+    b: npt.NDArray[np.int64], move: npt.NDArray[np.int64], margin: int, decide: Decide,
 ) -> Iterator[tuple[int, FacetPairs]]:  # fmt: skip
     """Yield what `near_facets` does of blocks of pairs (i of A, j of B), of A translated by ``move`` (3,)."""
     for i, j in blocks:
-        for start in range(0, len(i), at_once):
-            k, m = i[start : start + at_once], j[start : start + at_once]
-            pairs = np.stack([a[k] + move, b[m]], 1)
-            near = decide(pairs, np.full(len(k), margin, np.int64))
-            yield len(k), np.stack([k[near], m[near]], 1)
-
-
-def in_order(pairs: FacetPairs) -> FacetPairs:
-    """Return facet pairs (K, 2) by their number in A, then in B."""
-    return pairs[np.lexsort((pairs[:, 1], pairs[:, 0]))]
+        near = decide(np.stack([a[i] + move, b[j]], 1), np.full(len(i), margin, np.int64))
+        yield len(i), np.stack([i[near], j[near]], 1)
 
 
 def distance_of(mesh_a: StlMesh, i: int, mesh_b: StlMesh, j: int, move: Vector) -> Fraction:

@@ -22,7 +22,7 @@ import stl
 
 from triaxis.golden.outputs import write_whole
 from triaxis.golden.pairs import Pairs
-from triaxis.host.broadphase import candidates
+from triaxis.host.broadphase import all_candidates
 from triaxis.host.quantise import centred_grid, quantise
 from triaxis.host.stl import Facets, read_stl
 from triaxis.sim.paths import ROOT
@@ -135,9 +135,8 @@ def mesh_pairs(rng: np.random.Generator, count: int, width: int) -> Pairs:
         grid = centred_grid([scene.a, scene.b], resolution, width)
         a, b = quantise(scene.a, grid, "a"), quantise(scene.b, grid, "b")
         reach = int(2 / resolution)
-        close = np.concatenate(
-            [np.stack([a[i], b[j]], 1) for i, j in candidates(a, b, reach)] or [np.empty((0, 2, 3, 3))]
-        )
+        i, j = all_candidates(a, b, reach).T
+        close = np.stack([a[i], b[j]], 1)
         each = -(-count // len(every))
         close = rng.permutation(close)[: each // 2]
         rest = each - len(close)

@@ -14,7 +14,7 @@ import numpy.typing as npt
 from triaxis.bench.error.truth import Triangles, exact_triangle
 from triaxis.bench.stress.constructions import contacts
 from triaxis.golden.exact import triangle_rank
-from triaxis.host.broadphase import candidates
+from triaxis.host.broadphase import all_candidates
 from triaxis.host.quantise import Grid, Steps, box_of, finest_resolution, grid_around, quantise
 from triaxis.host.scenes import Scene, machine_scenes, scenes
 from triaxis.host.stl import Facets
@@ -183,8 +183,7 @@ def _in_poses(rng: Rng, scene: Scene, count: int) -> _Pairs:
 def _close(name: str, a: Triangles, b: Triangles) -> npt.NDArray[np.int64]:
     """Return the facets (K, 2) whose boxes come close, about."""
     grid = part_grid(a, b, _SEARCH_BITS)
-    near = candidates(quantise(a, grid, name), quantise(b, grid, name), _SEARCH_REACH)
-    return np.concatenate([np.empty((0, 2), np.int64), *(np.stack(block, 1) for block in near)])
+    return all_candidates(quantise(a, grid, name), quantise(b, grid, name), _SEARCH_REACH)
 
 
 def _in_contact(rng: Rng, scene: Scene, count: int) -> _Pairs:

@@ -32,8 +32,8 @@ from triaxis.bench.skipping.software import (
 from triaxis.golden.bulk import bulk_verdicts
 from triaxis.golden.pairs import NO_AXIS
 from triaxis.golden.scene import SceneAnswer, scene_answer
+from triaxis.host.broadphase import in_order
 from triaxis.host.engines import Integers, MeshEngineScene
-from triaxis.host.scene import in_order
 from triaxis.sim.mesh_configuration import MeshConfiguration
 from triaxis.sim.mesh_engine import spatial_order
 

@@ -14,9 +14,8 @@ from triaxis.bench.harness import Progress, Summed, clocked
 from triaxis.bench.peers.peer import Peer
 from triaxis.bench.skipping.scenes import Surfaces
 from triaxis.golden.bulk import bulk_facts
-from triaxis.host.broadphase import Work, candidates
+from triaxis.host.broadphase import Work, all_candidates, candidates, in_order
 from triaxis.host.engines import Integers
-from triaxis.host.scene import in_order
 
 # What a package finds.
 BOXES, FACETS = "pairs of boxes", "colliding facets"
@@ -151,10 +150,7 @@ def _ask(peer: Peer, meeting: Meeting) -> PeerRun:
 
 
 def _exact(peer: Peer, meeting: Meeting) -> Integers:
-    if not peer.boxes_only:
-        return meeting.near
-    blocks = [np.stack(block, 1) for block in candidates(meeting.a, meeting.b, 0)]
-    return np.concatenate([np.empty((0, 2), np.int64), *blocks])
+    return all_candidates(meeting.a, meeting.b, 0) if peer.boxes_only else meeting.near
 
 
 def _numbers(pairs: Integers, meeting: Meeting) -> Integers:

@@ -3,12 +3,12 @@
 import numpy as np
 
 from triaxis.golden.pairs import coordinate_range
+from triaxis.host.broadphase import in_order
 from triaxis.host.engines import Integers, Progress, SceneEngine, SceneRun, Translation, unwatched
 from triaxis.host.link.audit import BoardRun, audit, contradiction
 from triaxis.host.link.board import Board
 from triaxis.host.link.exchange import LinkError, SessionLostError
 from triaxis.host.link.messages import NO_ZONES, Description, Flag, Mesh, Mode, Pose, RunEnd, Status
-from triaxis.host.scene import in_order
 from triaxis.sim.mesh_engine import spatial_order
 
 # Frames that come late may undo a session; so many in a row are no accident.

@@ -4,14 +4,11 @@ The objects' boxes, swept along a segment, may prove it clear: along a face they
 which grows in all directions, cannot. Else the engine is asked about one pose at the middle of it, with a
 margin that covers half of it (`path_scene`). Where that is near, both halves are looked at, down to the step.
 Far from the workpiece one question serves for many moves.
-
-Pieces of the path are asked about in its order, as many at once as are worth it to the engine: where one is
-near, the questions about those behind it were for nothing.
 """
 
 from bisect import bisect_left, bisect_right
 from collections import deque
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
 
@@ -24,7 +21,6 @@ from triaxis.host.engines import (
     NO_PAIRS,
     Counts,
     Progress,
-    Question,
     SceneEngine,
     SceneRun,
     scene_engine,
@@ -40,8 +36,6 @@ from triaxis.host.scene import FacetPairs, distance_of
 _JUDGED = 500
 # Near facet pairs of a piece that its halves are asked about first.
 _LIKELY = 16
-# Of the groups of moves asked about at once: so many clear, and they get longer; fewer, and they get shorter.
-_MOST, _HALF = Fraction(3, 4), Fraction(1, 2)
 
 
 @dataclass(frozen=True)
@@ -205,8 +199,7 @@ def insides_at(scene: PathScene, index: int = 0) -> Enclosure:
 
 def shown_clear(scene: PathScene, engine: SceneEngine, segment: Segment, result: PathResult) -> bool:
     """Return whether a pose, or the objects' boxes, show that all of a segment is clear."""
-    [near] = _looked_at(scene, engine, [_Piece(segment, 0, 1, NO_PAIRS)], result)
-    return near is None
+    return _looked_at(scene, engine, _Piece(segment, 0, 1, NO_PAIRS), result) is None
 
 
 @dataclass(frozen=True)
@@ -244,32 +237,23 @@ def _moves(scene: PathScene, first: int, last: int, likely: FacetPairs) -> _Piec
     return _Piece(segment, first, last, likely)
 
 
-def _looked_at(
-    scene: PathScene, engine: SceneEngine, pieces: Sequence[_Piece], result: PathResult
-) -> list[FacetPairs | None]:
-    """Return None for each piece that a pose, or the objects' boxes, show to be clear, else what is near.
+def _looked_at(scene: PathScene, engine: SceneEngine, piece: _Piece, result: PathResult) -> FacetPairs | None:
+    """Return None where a pose, or the objects' boxes, show a piece to be clear, else what is near.
 
     Nothing is where the margin is more than can be asked for.
     """
-    found: list[FacetPairs | None] = [None] * len(pieces)
-    numbers: list[int] = []
-    asked: list[Question] = []
-    for number, piece in enumerate(pieces):
-        margin = scene.path.margin(piece.segment)
-        if _boxes_apart(scene, piece.segment):
-            _level(result, piece.segment).by_boxes += 1
-        elif margin > scene.largest_margin:
-            found[number] = piece.likely
-        else:
-            numbers.append(number)
-            asked.append(Question(piece.segment.sample, margin, piece.likely))
-    for number, run in zip(numbers, engine.first_near(asked) if asked else (), strict=True):
-        result.effort.add(run)
-        if run.near_count:
-            found[number] = some_of(run.near, _LIKELY)
-        else:
-            _level(result, pieces[number].segment).by_pose += 1
-    return found
+    margin = scene.path.margin(piece.segment)
+    if _boxes_apart(scene, piece.segment):
+        _level(result, piece.segment).by_boxes += 1
+        return None
+    if margin > scene.largest_margin:
+        return piece.likely
+    run = engine.first_near(piece.segment.sample, margin, piece.likely)
+    result.effort.add(run)
+    if run.near_count:
+        return some_of(run.near, _LIKELY)
+    _level(result, piece.segment).by_pose += 1
+    return None
 
 
 def _level(result: PathResult, segment: Segment) -> Level:
@@ -284,46 +268,33 @@ def _first_near_piece(
     # Moves in a piece; the pieces that are still to be shown clear; the first move that is in none yet.
     together, pending, index = 1, deque[_Piece](), 0
     count = len(scene.program.moves)
-    near: tuple[_Piece, SceneRun] | None = None
     done = 0
     while pending or index < count:
-        while len(pending) < engine.at_once and index < count:
+        if not pending:
             last = min(index + together, count)
             pending.append(_moves(scene, index, last, NO_PAIRS))
             index = last
-        pieces = [pending.popleft() for _ in range(min(engine.at_once, len(pending)))]
-        left: list[_Piece] = []
-        groups, clear = 0, 0
-        for piece, likely in zip(pieces, _looked_at(scene, engine, pieces, result), strict=True):
-            groups += piece.segment.level == 0
-            clear += piece.segment.level == 0 and likely is None
-            if likely is None:
-                continue
+        piece = pending.popleft()
+        likely = _looked_at(scene, engine, piece, result)
+        if piece.segment.level == 0:
+            together = 2 * together if likely is None else max(1, together // 2)
+        if likely is not None:
             margin = scene.path.margin(piece.segment)
             if piece.several or piece.segment.length > scene.step or margin > scene.largest_margin:
                 _level(result, piece.segment).halved += not piece.several
-                left += piece.halves(scene, likely)
+                pending.extendleft(reversed([*piece.halves(scene, likely)]))
                 continue
             # Which facets are near is asked where that ends the check.
             run = engine.run(piece.segment.sample, margin)
             result.effort.add(run)
             if run.near_count:
-                # Nothing behind it matters.
-                near, index = (piece, run), count
-                pending.clear()
-                break
+                return piece, run
             # Euclid's distance is not asked of many pairs where one would do.
             _level(result, piece.segment).by_pose += 1
-        pending.extendleft(reversed(left))
-        if groups and clear >= _MOST * groups:
-            together *= 2
-        elif clear < _HALF * groups:
-            together = max(1, together // 2)
         now = pending[0].first if pending else index
-        if near is None:
-            progress(now - done)
-            done = now
-    return near
+        progress(now - done)
+        done = now
+    return None
 
 
 def _boxes_apart(scene: PathScene, segment: Segment) -> bool:

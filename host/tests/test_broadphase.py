@@ -3,19 +3,14 @@
 import numpy as np
 import pytest
 
+from triaxis.golden.errors import InputError
 from triaxis.golden.scene import apart, boxes_of
-from triaxis.host import broadphase
-from triaxis.host.broadphase import FacetTrees, Poses, candidates
-
-
-def found(a, b, margin):
-    blocks = [np.stack(block, 1) for block in candidates(a, b, margin)]
-    assert all(len(block) for block in blocks)
-    return np.concatenate([np.empty((0, 2), np.int64), *blocks])
+from triaxis.host.broadphase import FacetTrees, Work, all_candidates, in_order
 
 
 def assert_same(a, b, margin):
-    np.testing.assert_array_equal(found(a, b, margin), np.argwhere(~apart(boxes_of(a), boxes_of(b), margin)))
+    wanted = np.argwhere(~apart(boxes_of(a), boxes_of(b), margin))
+    np.testing.assert_array_equal(all_candidates(a, b, margin), wanted)
 
 
 def spread(rng, count, place=300, size=40):
@@ -74,35 +69,50 @@ def test_the_margin_ends_at_a_step(axis, side):
     a[0] = [[-20, -20, -20], [20, 20, 20], [0, 0, 0]]
     b = a.copy()
     b[:, :, axis] += side * (40 + 9)
-    assert len(found(a, b, 9)) > 0 == len(found(a, b, 8))
+    assert len(all_candidates(a, b, 9)) > 0 == len(all_candidates(a, b, 8))
     assert_same(a, b, 9)
 
 
-def test_blocks_are_bounded(rng, monkeypatch):
-    """No block is larger than allowed, unless it is that of a single facet of A."""
-    monkeypatch.setattr(broadphase, "_BLOCK", 100)
-    monkeypatch.setattr(broadphase, "_FACETS", 64)
-    a, b = (
-        np.concatenate([spread(rng, 500), KINDS["identical"](rng, 90)]),
-        np.tile(spread(rng, 300), (3, 1, 1)),
-    )
-    for i, _ in candidates(a, b, 5):
-        assert len(i) <= 100 or i[0] == i[-1]
-    assert_same(a, b, 5)
-
-
 @pytest.mark.parametrize("kind", KINDS)
-@pytest.mark.parametrize("most", [1, 30, 1 << 12])
-def test_some_are_all_where_that_is_said(rng, monkeypatch, kind, most):
-    """At several poses at once: a part of what is there, or all of it."""
-    monkeypatch.setattr(broadphase, "_FACETS", 32)
+@pytest.mark.parametrize("most", [1, 30])
+def test_trees_serve_all_poses_in_blocks_of_any_size(rng, kind, most):
+    """Each pair once, in full blocks but for the last; searches that are left, or go on beside others."""
     a, b = KINDS[kind](rng, 45), spread(rng, 70)
-    poses = Poses(rng.integers(-200, 200, (9, 3)), rng.integers(0, 60, 9))
-    (pose, i, j), complete = FacetTrees(a, b).some(poses, most)
-    # A tree each for the first and the last facets of A.
-    assert np.bincount(pose, minlength=9).max() <= 2 * most and complete.all() >= (most > 45 * 70)
-    for number in range(9):
-        got = set(zip(i[pose == number].tolist(), j[pose == number].tolist(), strict=True))
-        wanted = {tuple(pair) for pair in found(a + poses.moves[number], b, poses.margins[number]).tolist()}
-        assert len(got) == (pose == number).sum() and got <= wanted
-        assert got == wanted or not complete[number]
+    trees = FacetTrees(a, b)
+    next(trees.candidates(a[0, 0] * 0, 1 << 32), None)
+    for move, margin in zip(rng.integers(-200, 200, (9, 3)), rng.integers(0, 60, 9).tolist(), strict=True):
+        work = Work()
+        blocks = [np.stack(block, 1) for block in trees.candidates(move, margin, work, most)]
+        assert {len(block) for block in blocks[:-1]} <= {most} and all(map(len, blocks))
+        wanted = all_candidates(a + move, b, margin)
+        np.testing.assert_array_equal(in_order(np.concatenate([wanted[:0], *blocks])), wanted)
+        assert work.compared >= len(wanted)
+
+
+def test_what_overlaps_by_most_comes_first():
+    """Cubes in a row, and one like them that is moved along: it meets that in whose place it is."""
+    row = np.array([[[20 * k] * 3, [20 * k + 9] * 3, [20 * k + 9] * 3] for k in range(64)])
+    trees = FacetTrees(row[:1], row)
+    for place in (0, 17, 40, 63):
+        move = np.full(3, 20 * place)
+        (i, j), *_ = trees.candidates(move, 0)
+        assert (i.tolist(), j.tolist()) == ([0], [place])
+        # Within 500 there are 25 on either side.
+        (_, j), *_ = trees.candidates(move, 500, block=1)
+        assert abs(int(j[0]) - place) <= 2
+
+
+def test_what_is_beyond_32_bits_is_refused_where_it_is_decided():
+    a, none = np.zeros((1, 3, 3), np.int64), np.empty((0, 2), np.int64)
+    far = np.array([0, (1 << 31) - 1, 0])
+    near, decided = FacetTrees(a, a + far).first_near(far, 0, none)
+    assert (near.tolist(), decided) == ([[0, 0]], 1)
+    for move, margin in ((far + 1, 0), (-far - 2, 0), (far, 1 << 32), (far, -1)):
+        with pytest.raises(InputError, match="32 bits are the most"):
+            FacetTrees(a, a).first_near(move, margin, none)
+    for empty in ((a[:0], a), (a, a[:0])):
+        assert (
+            FacetTrees(*empty).first_near(far, 0, none)[1]
+            == 0
+            == len([*FacetTrees(*empty).candidates(far, 9)])
+        )

@@ -4,6 +4,7 @@ import math
 import re
 from dataclasses import replace
 from fractions import Fraction
+from functools import partial
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
@@ -16,9 +17,9 @@ from hypothesis import strategies as st
 from triaxis.golden.errors import InputError
 from triaxis.golden.exact import Rational
 from triaxis.golden.judge import judge
-from triaxis.host import engines, scenes
+from triaxis.host import scenes
 from triaxis.host.cli import main
-from triaxis.host.engines import DecidingEngine, MeshEngineScene, Question, scene_engine
+from triaxis.host.engines import BulkEngine, DecidingEngine, MeshEngineScene, scene_engine
 from triaxis.host.euclidean import EuclideanEngine, squared_distance
 from triaxis.host.motion.clearance import clearances, places
 from triaxis.host.motion.contact import Rule
@@ -244,49 +245,46 @@ def test_engines_agree():
     scene = vise_scene(beside, clearance=1, resolution=Fraction(1, 100))
     bulk, golden, rtl = (checked(scene, name) for name in ("bulk", "golden", "rtl"))
     assert bulk.near == golden.near == rtl.near
-    assert golden.levels == rtl.levels
-    # The bulk checker is asked ahead.
-    assert bulk.effort.poses > golden.effort.poses == rtl.effort.poses > 10
+    assert bulk.levels == golden.levels == rtl.levels
+    assert bulk.effort.poses == golden.effort.poses == rtl.effort.poses > 10
     assert bulk.near and bulk.near.line == 3
     assert (rtl.effort.cycles or 0) >= (rtl.effort.most_cycles or 0) > 0
 
 
-def test_what_is_first_near_is_so_however_many_poses_are_asked_at_once(rng):
+def test_what_is_first_near_is_so_in_whatever_order_pairs_are_decided(rng):
     verdicts = set()
     for trial in range(40):
         tool = rng.uniform(-3, 3, (4, 1, 3)) + rng.uniform(-1, 1, (4, 3, 3))
         work = rng.uniform(-8, 8, (60, 1, 3)) + rng.uniform(-1, 1, (60, 3, 3))
         corners = rng.uniform(-9, 9, (12, 3)).round(3) + np.array([0, 0, 14 - trial % 20])
         scene = scene_of(tool, work, corners, wanted_of(Fraction(1, 4), Fraction(1, 50), Fraction(1, 10)))
-        results = [
-            check_path(scene, DecidingEngine(scene.a, scene.b, bulk_near, at_once=many), surfaces_only=True)
-            for many in (1, 3, 64)
-        ]
-        assert results[0].near == results[1].near == results[2].near
+        natively, otherwise = BulkEngine(scene.a, scene.b), DecidingEngine(scene.a, scene.b, bulk_near)
+        results = [check_path(scene, engine, surfaces_only=True) for engine in (natively, otherwise)]
+        assert results[0].near == results[1].near and results[0].levels == results[1].levels
         # All of the path before it is shown to be clear, once.
         verdicts.add((results[0].verdict, bool(results[0].near and results[0].near.move)))
     assert verdicts == {("clear", False), ("near", False), ("near", True)}
 
 
-@pytest.mark.parametrize("ever_more", [(64, 1024), (2, 5), ()])
-def test_a_pose_is_near_where_any_pair_is(rng, monkeypatch, ever_more):
-    """At many poses at once, with wrong hints: near where a run of its own is, and each clear one counted."""
-    monkeypatch.setattr(engines, "_EVER_MORE", ever_more)
-    monkeypatch.setattr(engines, "_NODES", 200)
-    monkeypatch.setattr(engines, "_SOME", 4)
+@pytest.mark.parametrize("engine", [BulkEngine, partial(DecidingEngine, decide=bulk_near)])
+def test_a_pose_is_near_where_any_pair_is(rng, engine):
+    """With wrong hints: near where a run of all pairs is, and each clear one counted."""
     a, b = (rng.integers(-900, 900, (n, 1, 3)) + rng.integers(-60, 60, (n, 3, 3)) for n in (80, 150))
-    alone, together = scene_engine("bulk", a, b, 16), DecidingEngine(a, b, bulk_near)
-    asked = [
-        Question((int(x), int(y), int(z)), int(margin), rng.integers(0, 80, (int(margin) % 3, 2)))
-        for x, y, z, margin in zip(*rng.integers(-2000, 2000, (3, 60)), rng.integers(0, 90, 60), strict=True)
-    ]
-    near = 0
-    for one, run in zip(asked, together.first_near(asked), strict=True):
-        whole = alone.run(one.translation, one.margin)
-        assert (run.near_count > 0) == (whole.near_count > 0)
-        assert {tuple(pair) for pair in run.near.tolist()} <= {tuple(pair) for pair in whole.near.tolist()}
-        assert whole.near_count or (run.tested, run.skipped) == (whole.tested, whole.skipped)
+    asked, near = engine(a, b), 0
+    for x, y, z in rng.integers(-2000, 2000, (60, 3)).tolist():
+        # More of them than are decided at a time.
+        margin, likely = int(rng.integers(0, 90)), rng.integers(0, 80, (rng.choice([0, 1, 150]), 2))
+        run, whole = asked.first_near((x, y, z), margin, likely), engine(a, b).run((x, y, z), margin)
+        wanted = {tuple(pair) for pair in whole.near.tolist()}
+        assert (run.near_count > 0) == (len(wanted) > 0)
+        assert {tuple(pair) for pair in run.near.tolist()} <= wanted
+        assert wanted or (run.tested, run.skipped) == (whole.tested, whole.skipped)
         near += run.near_count > 0
+        if len(wanted) and len(wanted) < len(a):
+            clear = [(i, 0) for i in range(len(a)) if (i, 0) not in wanted]
+            hints = np.array([*clear, *clear, *wanted])
+            run = asked.first_near((x, y, z), margin, hints)
+            assert 2 * len(clear) < run.tested <= len(hints)
     assert 10 < near < 50
 
 
