@@ -2,9 +2,11 @@
 
 import argparse
 from collections import Counter
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import partial
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -36,7 +38,7 @@ from triaxis.host.motion.path_check import Effort, PathResult, bulk_engine
 from triaxis.host.motion.path_scene import PathScene, Wanted
 from triaxis.host.motion.program import read_program
 from triaxis.host.motion.rs274 import read_by_rs274
-from triaxis.host.motion.rule_check import RuleCheck, check_rule
+from triaxis.host.motion.rule_check import RuleCheck, check_rule, moves_within
 from triaxis.host.quantise import Vector
 from triaxis.host.report import counts_entry, enclosure_entry, grid_entry, milliseconds, write_report
 from triaxis.host.stl import StlMesh, read_stl
@@ -82,6 +84,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )  # fmt: skip
     add_engine(parser)
     add_distance(parser)
+    add_zones(
+        parser,
+        "tell on which moves of a clear program the tool comes within D mm (Chebyshev), or nearly: where a "
+        "machine would be slow",
+        "and within which, wider, people would be told",
+    )
     parser.add_argument("--picture", type=Path, metavar="FILE.png", help="draw the scene, and the clearance")
     parser.add_argument(
         "--profile", type=int, metavar="N",
@@ -120,6 +128,34 @@ def add_program(parser: argparse.ArgumentParser, resolution: Fraction) -> None:
     parser.add_argument("--json", type=Path, metavar="FILE", help="write a report")
 
 
+def add_zones(parser: argparse.ArgumentParser, slow: str, warn: str) -> None:
+    """Add the widths of both zones."""
+    add_numbers(parser, "--slow", "D", slow, None)
+    add_numbers(parser, "--warn", "D", warn, None)
+
+
+def zone_widths(options: argparse.Namespace) -> list[Fraction]:
+    """Return how wide the zones are that are asked for, from the innermost, in millimetres.
+
+    Raises InputError where one is not around the other, or around the clearance.
+    """
+    if options.warn is not None and options.slow is None:
+        raise InputError("--warn: is around the zone of --slow: give that, too")
+    widths = [width for width in (options.slow, options.warn) if width is not None]
+    if not all(narrow < wide for narrow, wide in pairwise([options.clearance, *widths])):
+        raise InputError("--clearance, --slow, --warn: each must be wider than the one before: correct them")
+    return widths
+
+
+def print_zones(zones: Sequence[dict[str, Any]], of: str, count: int) -> None:
+    """Print how many of so many moves, or pieces, are in each zone, and their lines."""
+    for zone in zones:
+        lines = zone["lines"]
+        told = f", lines {', '.join(map(str, lines[:_LISTED]))}" if lines else ""
+        more = ", .." if len(lines) > _LISTED else ""
+        print(f"within {float(zone['within']):g} mm, or nearly: {zone[of]} of {count} {of}{told}{more}")
+
+
 def read_moves(options: argparse.Namespace) -> tuple[Program, Machine, Tool | None]:
     """Return the program, the machine that it is for, and the tool where one is given by itself."""
     start = None if options.start is None else tuple(options.start)
@@ -142,6 +178,7 @@ def run(options: argparse.Namespace) -> int:
         check_width(options.width)
     if options.profile is not None and options.profile < 2:
         raise InputError(f"profile {options.profile}: must be at least 2 places")
+    widths = zone_widths(options)
     program, machine, given = read_moves(options)
     whole_machine = bool(machine.objects or machine.rotary)
     work = read_stl(options.work), options.work
@@ -164,10 +201,11 @@ def run(options: argparse.Namespace) -> int:
     first = _decisive(checked)
     rule, scene, result = first.rule, first.scene, first.result
     profile = _profile(options, program, checked, first)
+    zones = _zones(program, checked, widths) if result.verdict == "clear" else []
     notes = (*program.notes, *((NOT_TRACKED,) if options.stock else ()))
     if options.json is not None:
         report = _report(scene, options, first, replace(program, notes=notes), profile)
-        report |= {"tools": [_entry(one) for one in checked]}
+        report |= {"tools": [_entry(one) for one in checked], "zones": zones}
         if board is not None:
             report |= self_tested(options)
         write_report(options.json, report)
@@ -188,6 +226,7 @@ def run(options: argparse.Namespace) -> int:
         _print_objects(objects)
     if profile.bounds:
         _print_nearest(profile)
+    print_zones(zones, "moves", len(program.moves))
     for note in notes:
         print(f"note: {note}")
     _print_verdict(first, len(checked) > 1 and options.stock is not None)
@@ -270,6 +309,27 @@ def _profile(
         wanted = first.scene.wanted
         found = clearances(program, rules, wanted, bulk_engine, chosen, effort, not asked, progress)
     return _Profile(found, len(chosen), effort)
+
+
+def _zones(program: Program, checked: list[RuleCheck], widths: list[Fraction]) -> list[dict[str, Any]]:
+    """Return which moves are in each zone of anything that must stay clear of something."""
+    if not widths:
+        return []
+    found = [set[int]() for _ in widths]
+    with progress_bar("moves, zones", sum(len(one.rule.numbers) for one in checked)) as progress:
+        for one in checked:
+            for zone, moves in zip(
+                found, moves_within(one.rule, one.scene.wanted, widths, progress), strict=True
+            ):
+                zone |= moves
+    return [
+        {
+            "within": width,
+            "moves": len(zone),
+            "lines": sorted({program.moves[number].line for number in zone}),
+        }
+        for width, zone in zip(widths, found, strict=True)
+    ]
 
 
 def _report(

@@ -18,7 +18,15 @@ from triaxis.golden.errors import InputError
 from triaxis.host.cli import DONE, NO
 from triaxis.host.cli.arguments import add_numbers
 from triaxis.host.cli.engine import BOARD, about, add_port, add_trust, board_of, self_tested, width_of
-from triaxis.host.cli.path import add_program, place_words, read_moves, read_stocks
+from triaxis.host.cli.path import (
+    add_program,
+    add_zones,
+    place_words,
+    print_zones,
+    read_moves,
+    read_stocks,
+    zone_widths,
+)
 from triaxis.host.cli.terminal import progress_bar
 from triaxis.host.enclosure import State
 from triaxis.host.link.board import Board
@@ -72,10 +80,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         f"length of a piece, in mm, below which it is not cut further where it is near ({_LENGTH})",
         _LENGTH,
     )
-    slow = "width of the zone, in mm, in which the machine is to be slow: beyond it full speed is said"
-    add_numbers(parser, "--slow", "D", slow, None)
-    warn = "width of the zone around that one, in mm, of which people are told"
-    add_numbers(parser, "--warn", "D", warn, None)
+    add_zones(
+        parser,
+        "width of the zone, in mm, in which the machine is to be slow: beyond it full speed is said",
+        "width of the zone around that one, in mm, of which people are told",
+    )
     add_numbers(
         parser, "--lag", "MS",
         f"longest time from a position to the answer of the piece asked after it, in ms ({_LAG})", _LAG,
@@ -136,11 +145,7 @@ def run(options: argparse.Namespace) -> int:
             f"--age {float(options.age):g}: must be less than --lag {float(options.lag):g}, which holds it: "
             "correct them"
         )
-    if options.warn is not None and options.slow is None:
-        raise InputError("--warn: is around the zone of --slow: give that, too")
-    widths = [options.clearance, *_widths(options)]
-    if sorted(set(widths)) != widths:
-        raise InputError("--clearance, --slow, --warn: each must be wider than the one before: correct them")
+    widths = zone_widths(options)
     if not 1 <= options.hold <= LONGEST:
         raise InputError(f"hold {options.hold}: must be 1..{LONGEST} ms")
     program, machine, given = read_moves(options)
@@ -158,7 +163,7 @@ def run(options: argparse.Namespace) -> int:
             options.clearance, options.resolution, options.length, options.scale, width_of(options, board),
             margin_bits=board.description.margin_bits,
         )  # fmt: skip
-        operations, widths = list[Operation](), _widths(options)
+        operations = list[Operation]()
         with progress_bar("parts are cut", len(program.stretches)) as progress:
             for stretch, stock in zip(program.stretches, stocks, strict=True):
                 tool = given or machine.tools[stretch.moves[0].tool]
@@ -196,10 +201,8 @@ def run(options: argparse.Namespace) -> int:
             print(
                 f"note: the machine will be stopped before line {', '.join(map(str, lines[:_LISTED]))}: near"
             )
-        for width, entry in zip(_widths(options), _zones(options, operations), strict=True):
-            told = f", lines {', '.join(map(str, entry['lines'][:_LISTED]))}" if entry["pieces"] else ""
-            more = ", .." if len(entry["lines"]) > _LISTED else ""
-            print(f"within {float(width):g} mm, or nearly: {entry['pieces']} of {count} pieces{told}{more}")
+        zones = _zones(widths, operations)
+        print_zones(zones, "pieces", count)
         page = None if options.page is None else Page(options.page)
         if page is not None:
             print(f"page: {page.address}", flush=True)
@@ -213,7 +216,7 @@ def run(options: argparse.Namespace) -> int:
         if page is not None and verdict != "followed":
             page.tell(stopped=stopped)
     positions = "hal" if options.hal else "simulated" if options.simulate else "lines"
-    more = self_tested(options) | {"positions": positions, "zones": _zones(options, operations)}
+    more = self_tested(options) | {"positions": positions, "zones": zones}
     status = _told(options, done, count, verdict, names, more)
     if options.picture is not None and names and done.near and done.place is not None:
         one = next(one for one in operations if any(piece is done.near for piece in one.pieces))
@@ -221,16 +224,11 @@ def run(options: argparse.Namespace) -> int:
     return status
 
 
-def _widths(options: argparse.Namespace) -> list[Fraction]:
-    """Return how wide the zones are that are asked for, from the innermost."""
-    return [width for width in (options.slow, options.warn) if width is not None]
-
-
-def _zones(options: argparse.Namespace, operations: Sequence[Operation]) -> list[dict[str, Any]]:
+def _zones(widths: Sequence[Fraction], operations: Sequence[Operation]) -> list[dict[str, Any]]:
     """Return how many pieces are not shown to be beyond each zone, and the lines that they begin in."""
     found = [piece for one in operations for piece in one.pieces]
     entries = []
-    for number, width in enumerate(_widths(options)):
+    for number, width in enumerate(widths):
         within = [piece.line for piece in found if piece.beyond <= number]
         entries.append({"within": width, "pieces": len(within), "lines": sorted(set(within))})
     return entries
@@ -284,7 +282,7 @@ def _through(
             waits = number > 0 or bool(one.machine.rotary) or options.hal
             if not _come_to_start(board, positions, one, follower, several, waits):
                 return done, "ended", None
-        shown = (len(_widths(options)), done.asked, positions, page, options.lag / 1000)
+        shown = (len(zone_widths(options)), done.asked, positions, page, options.lag / 1000)
         display = _Display(follower, scene, *shown)
         try:
             permit, hold = on_board.permit, options.hold

@@ -261,14 +261,41 @@ def _level(result: PathResult, segment: Segment) -> Level:
     return result.levels[segment.level]
 
 
+def near_moves(scene: PathScene, engine: SceneEngine, progress: Progress = unwatched) -> list[int]:
+    """Return the numbers of moves that are not shown to be clear by pieces as long as the step."""
+    found, first = list[int](), 0
+    while (piece := next(_near_pieces(scene, engine, PathResult(), progress, first), None)) is not None:
+        found.append(piece.first)
+        first = piece.first + 1
+        progress(1)
+    return found
+
+
 def _first_near_piece(
     scene: PathScene, engine: SceneEngine, result: PathResult, progress: Progress
 ) -> tuple[_Piece, SceneRun] | None:
     """Return the first piece, no longer than the step, that is near, and all that is near there."""
+    for piece in _near_pieces(scene, engine, result, progress):
+        # Which facets are near is asked where that ends the check.
+        run = engine.run(piece.segment.sample, scene.path.margin(piece.segment))
+        result.effort.add(run)
+        if run.near_count:
+            return piece, run
+        # Euclid's distance is not asked of many pairs where one would do.
+        _level(result, piece.segment).by_pose += 1
+    return None
+
+
+def _near_pieces(
+    scene: PathScene, engine: SceneEngine, result: PathResult, progress: Progress, first: int = 0
+) -> Iterator[_Piece]:
+    """Yield pieces no longer than the step where something is near, from a move on, in the path's order.
+
+    All between them is shown to be clear.
+    """
     # Moves in a piece; the pieces that are still to be shown clear; the first move that is in none yet.
-    together, pending, index = 1, deque[_Piece](), 0
-    count = len(scene.program.moves)
-    done = 0
+    together, pending, index = 1, deque[_Piece](), first
+    count, done = len(scene.program.moves), first
     while pending or index < count:
         if not pending:
             last = min(index + together, count)
@@ -284,17 +311,12 @@ def _first_near_piece(
                 _level(result, piece.segment).halved += not piece.several
                 pending.extendleft(reversed([*piece.halves(scene, likely)]))
                 continue
-            # Which facets are near is asked where that ends the check.
-            run = engine.run(piece.segment.sample, margin)
-            result.effort.add(run)
-            if run.near_count:
-                return piece, run
-            # Euclid's distance is not asked of many pairs where one would do.
-            _level(result, piece.segment).by_pose += 1
+            progress(piece.first - done)
+            done = piece.first
+            yield piece
         now = pending[0].first if pending else index
         progress(now - done)
         done = now
-    return None
 
 
 def _boxes_apart(scene: PathScene, segment: Segment) -> bool:

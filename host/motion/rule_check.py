@@ -3,7 +3,7 @@
 A part of a turn is cut in halves where it is near, until no point is off by more than half a step.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 
@@ -13,7 +13,7 @@ from triaxis.host.engines import Progress, SceneEngine, unwatched
 from triaxis.host.euclidean import ROOT_3
 from triaxis.host.motion.contact import Rule
 from triaxis.host.motion.machine import Tool
-from triaxis.host.motion.path_check import PathResult, check_path
+from triaxis.host.motion.path_check import PathResult, bulk_engine, check_path, near_moves
 from triaxis.host.motion.path_scene import PathScene, Wanted
 from triaxis.host.scene import AUTOMATIC_WIDTHS
 
@@ -21,6 +21,8 @@ from triaxis.host.scene import AUTOMATIC_WIDTHS
 _COARSE_BITS = 4
 # Of one move between two objects: against a check that does not end.
 _MOST_PIECES = 20_000
+# A zone is looked at in pieces no longer than this part of its width.
+_PART_OF_ZONE = 16
 
 
 @dataclass(frozen=True)
@@ -88,3 +90,33 @@ def check_rule(
             turned = found.first
     assert checked is not None
     return checked
+
+
+def moves_within(
+    rule: Rule, wanted: Wanted, widths: Sequence[Fraction], progress: Progress = unwatched
+) -> list[set[int]]:
+    """Return the moves of the whole program that are not shown to be beyond zones, by Chebyshev's distance.
+
+    ``widths``: of the zones in millimetres, from the innermost on; so are the answers.
+    """
+    found = [set[int]() for _ in widths]
+    step = max(wanted.step, widths[0] / _PART_OF_ZONE)
+    widest = replace(wanted, clearance=widths[-1], step=step, width=None, euclidean=False, margin_bits=None)
+    turned = -1
+    for piece in rule.pieces(step / 2):
+        scene = rule.scene(piece, widest)
+        engine, left = bulk_engine(scene), [*range(len(piece.moves))]
+        watched = unwatched if piece.swept else progress
+        for width, moves in zip(reversed(widths), reversed(found), strict=True):
+            # What is beyond a zone is beyond those within.
+            program = replace(scene.program, moves=tuple(piece.moves[number] for number in left))
+            zone = replace(scene.within(width), program=program)
+            left = [left[number] for number in near_moves(zone, engine, watched)]
+            moves.update(rule.numbers[piece.first + number] for number in left)
+            if not left:
+                break
+            watched = unwatched
+        if piece.swept and piece.first != turned:
+            progress(1)
+            turned = piece.first
+    return found

@@ -27,6 +27,7 @@ from triaxis.host.motion.curves import arc, centre_by_radius
 from triaxis.host.motion.moves import Move, Program
 from triaxis.host.motion.path_check import Effort, check_path
 from triaxis.host.motion.path_scene import PathGrid, Segment, Wanted, prepare_path
+from triaxis.host.motion.rule_check import moves_within
 from triaxis.host.quantise import NOWHERE, vector
 from triaxis.host.scene import bulk_near
 from triaxis.host.stl import StlMesh
@@ -322,6 +323,32 @@ def test_bounds_of_the_clearance_hold_the_clearance():
         assert place.seen - place.proven <= max(0.1, real / 10)
 
 
+def test_a_move_is_in_a_zone_where_the_tool_comes_within_it(rng):
+    """Against exact distances, 25 on each move: what is not told is beyond, what is told within, or nearly."""
+    widths, told = [Fraction(1, 2), Fraction(2)], [0, 0]
+    for _ in range(25):
+        tool, work = (rng.uniform(-1, 1, (1, 3, 3)).astype(np.float32) for _ in "ab")
+        scene = scene_of(tool, work, rng.uniform(-5, 5, (9, 3)).round(3), wanted_of(0, Fraction(1, 100)))
+        # Not the first of the program, nor all of it.
+        moves = scene.program.moves[2:]
+        numbers = range(2, 2 + len(moves))
+        part = replace(scene.program, moves=moves)
+        rule = Rule(("a", "b"), scene.tool, scene.work, ("a.stl", "b.stl"), part, numbers)
+        done = list[int]()
+        within = moves_within(rule, scene.wanted, widths, done.append)
+        assert within[0] <= within[1] and sum(done) == len(moves)
+        for number, move in zip(numbers, moves, strict=True):
+            least = min(distance(scene, move.at(Fraction(k, 24))) for k in range(25))
+            between = max(abs(b - a) for a, b in zip(move.start, move.end, strict=True)) / 48
+            for zone, width in enumerate(widths):
+                if number in within[zone]:
+                    assert least - between < width + Fraction(4, 100) + widths[0] / 32
+                    told[zone] += 1
+                else:
+                    assert least > width
+    assert 10 < told[0] < told[1] < 150
+
+
 def test_what_does_not_fit_is_refused():
     with pytest.raises(InputError, match=r"moves\.nc: line 2: at X0 Y0 Z900 the tool leaves the 16-bit grid"):
         vise_scene([(0, 0, 60), (0, 0, 5), (0, 0, 900)], resolution=Fraction(1, 100), width=16)
@@ -425,6 +452,22 @@ def test_a_dive_is_found(path, tmp_path):
     least = min(found["profile"], key=lambda place: place["seen"])
     assert status == 0 and least["proven"] < 1 <= least["seen"] < 1.1
     assert re.search(r"places: least in line \d at X.*: the tool and the workpiece, 0\.9\d* to 1", said)
+    assert found["zones"] == []
+
+
+def test_zones_of_a_clear_program_are_told(path):
+    program = "G21 G0 X0 Y0 Z30\nZ4 F100\nX35\nZ1\nX-35\nZ5\nZ30"
+    zones, start = ("--slow", 2, "--warn", 10), ("--start", 0, 0, 60)
+    status, said, found = path(program, *start, *zones)
+    wanted = [(2, [4, 5, 6]), (10, [2, 3, 4, 5, 6, 7])]
+    assert status == 0 and [(one["within"], one["lines"]) for one in found["zones"]] == wanted
+    assert "within 2 mm, or nearly: 3 of 7 moves, lines 4, 5, 6\n" in said
+    # What is near is told alone.
+    status, said, found = path(program + "\nZ0", *start, *zones)
+    assert (status, found["zones"]) == (1, []) and "or nearly" not in said
+    for wrong in (("--warn", 9), ("--slow", 9, "--warn", 9), ("--slow", "0.5")):
+        status, said, _ = path(program, *start, *wrong)
+        assert status == 2 and ("give that, too" in said or "each must be wider" in said)
 
 
 def test_the_least_clearance_counts_what_a_control_may_leave_the_path_by(path):
