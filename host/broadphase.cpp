@@ -52,7 +52,7 @@ struct Meeting {
 
 // A search that is interrupted when its caller has enough for now. It is kept in memory of the caller's.
 struct Search {
-  // Comparisons of two boxes: read by the caller.
+  // Comparisons of two boxes, and pairs of nodes on the stack: read by the caller.
   int64_t compared;
   int64_t depth;
   Tree a, b;

@@ -66,6 +66,8 @@ def _interleaved(place: Integers) -> npt.NDArray[np.uint64]:
 
 # Nodes below a node, and the most near pairs of an answer, as broadphase.cpp has them.
 FAN, _FEW = 4, 64
+# Fields of a search: comparisons of two boxes, and pairs of nodes that are still to be opened.
+_COMPARED, _OPEN = 0, 1
 # A corner beyond all coordinates: what is padded with it overlaps nothing.
 _BEYOND = 1 << 62
 # Pairs in a block: they stay in the processor's cache.
@@ -165,8 +167,7 @@ class FacetTrees:
         while count := _native().triaxis_search_next(search.ctypes.data, block, i, j):
             yield found[0, :count].copy(), found[1, :count].copy()
         if work is not None:
-            # Its first field.
-            work.compared += int(search[0])
+            work.compared += int(search[_COMPARED])
 
     def first_near(self, move: Integers, margin: int, likely: Integers) -> tuple[Integers, int]:
         """Decide pairs of A translated by ``move`` (3,) until some are near: ``likely`` (K, 2), then all.
@@ -175,14 +176,14 @@ class FacetTrees:
         without the likely ones where these did not suffice. Raises InputError where 32 bits do not.
         """
         found, count = np.empty((2, _FEW), np.int64), np.zeros(1, np.int64)
-        if self._trees is None:
+        if self._trees is None or not (search := self._search(move, margin))[_OPEN]:
             return found[:, :0].T, 0
         a, b = self._trees
         least, most = coordinate_range(MAX_WIDTH)
         low, high = np.minimum(a.low + move, b.low), np.maximum(a.high + move, b.high)
         if low.min() < least or high.max() > most or not 0 <= margin < 1 << MAX_WIDTH:
             raise InputError(f"coordinates {low.min()}..{high.max()}, margin {margin}: 32 bits are the most")
-        search, before = self._search(move, margin), np.ascontiguousarray(likely.T, np.int64)
+        before = np.ascontiguousarray(likely.T, np.int64)
         near = _native().triaxis_first_near(
             search.ctypes.data, self._a.ctypes.data, self._b.ctypes.data, move.ctypes.data, margin,
             before[0].ctypes.data, before[1].ctypes.data, len(likely),

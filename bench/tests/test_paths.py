@@ -14,6 +14,7 @@ from triaxis.bench.peers.peer import Peer, Question
 from triaxis.golden.judge import judge
 from triaxis.host.broadphase import candidates
 from triaxis.host.enclosure import solid_of
+from triaxis.host.motion.path_check import bulk_engine
 
 
 @pytest.mark.long
@@ -25,6 +26,17 @@ def test_a_small_program_is_clear_and_what_is_planted_is_found(tmp_path):
         "1 of 4 planted collisions were missed"
     ]
     assert paths.findings(replace(ours, clear=False), [], []).problems
+
+
+@pytest.mark.long
+def test_meshes_on_another_grid_are_no_evidence(tmp_path, monkeypatch):
+    """A crash so deep that it is found anyway is not near where it is said to be, or a graze is missed."""
+
+    def beside(scene):
+        return bulk_engine(replace(scene, a=scene.a + [0, 0, 2500]))
+
+    monkeypatch.setattr(paths, "bulk_engine", beside)
+    assert paths.measured(tmp_path, 400, 30, 4, lambda _: None).missed >= 2
 
 
 @pytest.mark.long

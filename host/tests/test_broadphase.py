@@ -107,9 +107,10 @@ def test_what_is_beyond_32_bits_is_refused_where_it_is_decided():
     far = np.array([0, (1 << 31) - 1, 0])
     near, decided = FacetTrees(a, a + far).first_near(far, 0, none)
     assert (near.tolist(), decided) == ([[0, 0]], 1)
-    for move, margin in ((far + 1, 0), (-far - 2, 0), (far, 1 << 32), (far, -1)):
+    for move, margin in ((far + 1, 1 << 31), (-far - 2, (1 << 32) - 1), (far, 1 << 32)):
         with pytest.raises(InputError, match="32 bits are the most"):
             FacetTrees(a, a).first_near(move, margin, none)
+        assert len(FacetTrees(a, a).first_near(move, margin >> 2, none)[0]) == 0
     for empty in ((a[:0], a), (a, a[:0])):
         assert (
             FacetTrees(*empty).first_near(far, 0, none)[1]
