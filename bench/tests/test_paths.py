@@ -33,7 +33,7 @@ def test_meshes_on_another_grid_are_no_evidence(tmp_path, monkeypatch):
     """A crash so deep that it is found anyway is not near where it is said to be, or a graze is missed."""
 
     def beside(scene):
-        return bulk_engine(replace(scene, a=scene.a + [0, 0, 2500]))
+        return bulk_engine(replace(scene, a=scene.a + np.array([0, 0, 2500])))
 
     monkeypatch.setattr(paths, "bulk_engine", beside)
     assert paths.measured(tmp_path, 400, 30, 4, lambda _: None).missed >= 2

@@ -324,7 +324,7 @@ def test_bounds_of_the_clearance_hold_the_clearance():
 
 
 def test_a_move_is_in_a_zone_where_the_tool_comes_within_it(rng):
-    """Against exact distances, 25 on each move: what is not told is beyond, what is told within, or nearly."""
+    """Against exact distances, 25 on each move: what is not told is beyond, other moves nearly within."""
     widths, told = [Fraction(1, 2), Fraction(2)], [0, 0]
     for _ in range(25):
         tool, work = (rng.uniform(-1, 1, (1, 3, 3)).astype(np.float32) for _ in "ab")
