@@ -117,6 +117,7 @@ BUILDS = (
         Limits(dsps=67),
     ),
     Build("margins", "core, W = 16, all 32 axes, M = 16", {"W": 16, "M": 16}, Limits(dsps=125)),
+    Build("fine", "core, W = 24, all 32 axes, M = 1", {"W": 24, "M": 1}, Limits(dsps=170)),
     # At most 40 % more than without certificates.
     Build(
         "certified",
