@@ -214,9 +214,11 @@ def run(options: argparse.Namespace) -> int:
         from triaxis.host.motion.picture import draw_machine, draw_path
 
         if whole_machine:
-            draw_machine(options.picture, setup, program, first, profile.bounds if options.profile else [])
+            draw_machine(
+                options.picture, setup, program, first, profile.bounds if options.profile else [], widths
+            )
         else:
-            draw_path(options.picture, program, first, profile.bounds)
+            draw_path(options.picture, program, first, profile.bounds, widths)
     for one in (one for one in checked if not one.rule.of_machine):
         _print_scene(one)
         if board is not None:

@@ -37,6 +37,7 @@ from triaxis.host.link.positions import Positions
 from triaxis.host.motion.contact import NOT_TRACKED, Setup
 from triaxis.host.motion.follow import (
     LONGEST,
+    ZONES,
     Followed,
     Follower,
     Piece,
@@ -55,7 +56,6 @@ from triaxis.host.stl import Facets, read_stl
 
 _LENGTH, _HOLD, _LAG, _DEVIATION = Fraction(5), 50, Fraction(20), Fraction(1, 100)
 # What a tool is told to be in that is beyond none, or the first, of the zones asked for; else "free".
-_ZONES = ("slow", "warn")
 # Lines that are listed; between two signs of life: the board's watchdog waits 100 ms.
 _LISTED, _ALIVE_SECONDS = 10, 0.03
 
@@ -347,7 +347,7 @@ class _Display:
         if not self._zones or beyond == self._beyond:
             return
         self._beyond = beyond
-        zone = _ZONES[beyond] if beyond < self._zones else "free"
+        zone = ZONES[beyond] if beyond < self._zones else "free"
         print(f"zone: {zone}, line {self._follower.pieces[number].line}", flush=True)
         if self._page is not None:
             self._page.tell(zone=zone)

@@ -36,6 +36,8 @@ from triaxis.host.motion.moves import Program
 from triaxis.host.motion.path_scene import GridPoint, PathScene, Segment, nearest
 from triaxis.host.quantise import Vector, vector
 
+# What the zones are called, from the innermost.
+ZONES = ("slow", "warn")
 # How often a piece of a rapid is halved, at most, to see which zones it is beyond.
 _HALVINGS = 8
 # Milliseconds that a hold can have; what is asked for where the tool cannot leave the program any more.

@@ -1,6 +1,7 @@
 """The picture of a path: what moves and what it passes in space; the proven clearance along the path."""
 
 from collections.abc import Mapping, Sequence
+from fractions import Fraction
 from pathlib import Path
 from typing import Any
 
@@ -17,6 +18,7 @@ from triaxis.host.enclosure import State
 from triaxis.host.figures import GAP, LARGE, NORMAL, SMALL, A, B, write_figure
 from triaxis.host.motion.clearance import Clearance, lengths
 from triaxis.host.motion.contact import PARTS_OF_TOOL, Setup
+from triaxis.host.motion.follow import ZONES
 from triaxis.host.motion.kinematics import LINEAR, ROTARY, signs
 from triaxis.host.motion.machine import TOOL, WORKPIECE
 from triaxis.host.motion.moves import Program
@@ -45,20 +47,26 @@ _WAYS: list[tuple[str, dict[str, Any]]] = [
 ]
 
 
-def draw_path(path: Path, program: Program, checked: RuleCheck, profile: list[Clearance]) -> None:
-    """Draw into a file, ``.png`` or ``.svg``: whole or not at all. Raises InputError where it cannot."""
+def draw_path(
+    path: Path, program: Program, checked: RuleCheck, profile: list[Clearance], zones: Sequence[Fraction] = ()
+) -> None:
+    """Draw into a file, ``.png`` or ``.svg``: whole or not at all. Raises InputError where it cannot.
+
+    ``zones``: their widths in millimetres, from the innermost.
+    """
     scene, result, names = checked.scene, checked.result, checked.rule.names
     figure = _titled(_INCHES, scene.program, _verdict(scene, result, names), result)
     space = figure.add_axes((0.0, 0.1, 0.5, 0.73), projection="3d")
     assert isinstance(space, Axes3D)
     _draw_space(space, scene, result, profile, names)
-    _draw_clearance(figure.add_axes(_CHART), program, checked, profile)
+    _draw_clearance(figure.add_axes(_CHART), program, checked, profile, zones)
     write_figure(figure, path)
 
 
 def draw_machine(
-    path: Path, setup: Setup, program: Program, checked: RuleCheck, profile: list[Clearance]
-) -> None:
+    path: Path, setup: Setup, program: Program, checked: RuleCheck, profile: list[Clearance],
+    zones: Sequence[Fraction] = (),
+) -> None:  # fmt: skip
     """Draw a machine with all its objects where two of them come near, else where the program begins.
 
     The path of the tool is drawn as the workpiece stands there, where nothing turns. Into a file as above.
@@ -74,7 +82,7 @@ def draw_machine(
     axes = figure.add_axes((0.0, 0.02, 0.52, 0.86) if profile else _WHOLE, projection="3d")
     assert isinstance(axes, Axes3D)
     if profile:
-        _draw_clearance(figure.add_axes(_CHART), program, checked, profile)
+        _draw_clearance(figure.add_axes(_CHART), program, checked, profile, zones)
     colours = dict(zip(names, (A.colour, B.colour), strict=True)) if result.verdict != "clear" else {}
     shown = _draw_objects(axes, setup, place, angles, colours)
     machine = vector(c + b for c, b in zip(place, setup.base, strict=True))
@@ -253,7 +261,9 @@ def _add_legend(axes: Axes3D, entries: Sequence[tuple[str, dict[str, Any]]]) -> 
     axes.legend(loc="upper left", fontsize=SMALL, framealpha=0.9)
 
 
-def _draw_clearance(axes: Axes, program: Program, checked: RuleCheck, profile: list[Clearance]) -> None:
+def _draw_clearance(
+    axes: Axes, program: Program, checked: RuleCheck, profile: list[Clearance], zones: Sequence[Fraction]
+) -> None:
     asked, near = checked.scene.wanted, checked.result.near
     wanted = float(asked.clearance)
     along = np.array([place.along for place in profile])
@@ -264,6 +274,8 @@ def _draw_clearance(axes: Axes, program: Program, checked: RuleCheck, profile: l
     )
     axes.plot(along, proven, color=A.colour, linewidth=1.2, label="proven lower bound")
     axes.axhline(wanted, color=B.colour, linestyle="--", linewidth=1.4, label=f"wanted: {wanted:g} mm")
+    for name, style, width in zip(ZONES, ("-.", ":"), map(float, zones), strict=False):
+        axes.axhline(width, color=B.colour, linestyle=style, linewidth=1.2, label=f"{name}: {width:g} mm")
     length = lengths(program)
     total = float(length.sum())
     if near is None:
@@ -280,7 +292,7 @@ def _draw_clearance(axes: Axes, program: Program, checked: RuleCheck, profile: l
         )  # fmt: skip
     # Linear where it matters, logarithmic above: a rapid far away must not flatten the rest.
     axes.set_yscale("symlog", linthresh=max(wanted, float(asked.resolution)) * 2, linscale=1.0)
-    axes.set_ylim(0, max(seen.max(initial=0), 2 * wanted) * 1.3)
+    axes.set_ylim(0, max(seen.max(initial=0), 2 * wanted, *zones) * 1.3)
     axes.set_xlim(0, total or 1)
     ticks = [0.0, *_round_numbers(wanted, seen.max(initial=wanted))]
     axes.set_yticks(ticks, [f"{tick:g}" for tick in ticks])
