@@ -172,8 +172,10 @@ def supervised(folder: Path, segments: int, planted: int, progress: Progress) ->
             # From the first go on it is said at every clock.
             stops += said and top.go_clocks - before != top.clocks - since
             said = said or top.go
-            progress(follower.permitted - shown)
-            shown = follower.permitted
+            # There are some more than asked for.
+            now = min(follower.permitted, segments)
+            progress(now - shown)
+            shown = now
             return clear
 
         def ahead(number: int, *_: object) -> None:

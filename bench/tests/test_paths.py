@@ -42,7 +42,9 @@ def test_meshes_on_another_grid_are_no_evidence(tmp_path, monkeypatch):
 @pytest.mark.long
 @pytest.mark.simulator
 def test_a_machine_is_supervised_without_a_false_stop_and_stopped_in_time(tmp_path):
-    found = supervised(tmp_path, 300, 3, lambda _: None)
+    done = list[int]()
+    found = supervised(tmp_path, 300, 3, done.append)
+    assert sum(done) == 303
     assert (found.false_stops, found.planted, found.missed, found.late) == (0, 3, 0, 0)
     assert found.segments >= 300 and 100 < found.run_clocks < found.reaction_clocks < found.bound_clocks
     assert not findings(found).problems
