@@ -122,9 +122,10 @@ class DecidingEngine(SceneEngine):
 
     def _first_near(self, move: Integers, margin: int, likely: FacetPairs) -> tuple[FacetPairs, int]:
         """Return what `FacetTrees.first_near` does."""
-        for blocks in ([(likely[:, 0], likely[:, 1])], self._trees.candidates(move, margin, block=_FEW)):
+        before = iter([(likely[:, 0], likely[:, 1])] if len(likely) else ())
+        for blocks in (before, self._trees.candidates(move, margin, block=_FEW)):
             tested = 0
-            for count, near in near_of(iter(blocks), self._a, self._b, move, margin, self._decide):
+            for count, near in near_of(blocks, self._a, self._b, move, margin, self._decide):
                 tested += count
                 if len(near):
                     return near, tested

@@ -48,6 +48,8 @@ _LISTED = 10
 _STEPS = 4
 # Where the clearance is looked at, for a picture, and for the least that is printed.
 _PLACES, _FEW_PLACES = 200, 50
+# In the width of a zone, at most: so margins fit 32 bits, with what rounding and a sixteenth of it take.
+_STEPS_OF_ZONE = 1 << 31
 # Of a start, in millimetres.
 _FARTHEST = 10**9
 
@@ -179,6 +181,8 @@ def run(options: argparse.Namespace) -> int:
     if options.profile is not None and options.profile < 2:
         raise InputError(f"profile {options.profile}: must be at least 2 places")
     widths = zone_widths(options)
+    if widths and widths[-1] > (widest := _STEPS_OF_ZONE * options.resolution):
+        raise InputError(f"--slow, --warn: at most {float(widest):g} mm at this resolution: correct them")
     program, machine, given = read_moves(options)
     whole_machine = bool(machine.objects or machine.rotary)
     work = read_stl(options.work), options.work

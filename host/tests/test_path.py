@@ -468,6 +468,8 @@ def test_zones_of_a_clear_program_are_told(path):
     for wrong in (("--warn", 9), ("--slow", 9, "--warn", 9), ("--slow", "0.5")):
         status, said, _ = path(program, *start, *wrong)
         assert status == 2 and ("give that, too" in said or "each must be wider" in said)
+    status, said, _ = path(program, *start, "--slow", "1e7")
+    assert status == 2 and "--slow, --warn: at most 2.14748e+06 mm at this resolution" in said
 
 
 def test_the_least_clearance_counts_what_a_control_may_leave_the_path_by(path):
