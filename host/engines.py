@@ -27,7 +27,7 @@ ENGINES = (RTL, BULK, GOLDEN)
 
 # Pairs that are kept as likely to be near next time.
 _LAST = 1 << 7
-# Pairs decided at a time by others than the bulk checker, where the first near one ends it.
+# Pairs decided at a time where the first near one ends it, by others than the bulk checker.
 _FEW = 1 << 9
 
 Integers = npt.NDArray[np.int64]
@@ -95,6 +95,9 @@ class DecidingEngine(SceneEngine):
     ``certifies``: that function has a certificate of each clear.
     """
 
+    # Pairs decided at a time: many, as the golden model starts processes for them.
+    _at_once = 1 << 20
+
     def __init__(self, a: Integers, b: Integers, decide: Decide, certifies: bool = False) -> None:
         """Take facets of shape (N, 3, 3), on the grid."""
         self._a, self._b, self._decide, self._certifies = a, b, decide, certifies
@@ -107,7 +110,7 @@ class DecidingEngine(SceneEngine):
         if stop_at_first:
             return self.first_near(translation, margin, NO_PAIRS)
         run, move = SceneRun(), np.array(translation, np.int64)
-        found, blocks = [NO_PAIRS], self._trees.candidates(move, margin)
+        found, blocks = [NO_PAIRS], self._trees.candidates(move, margin, block=self._at_once)
         for count, near in near_of(blocks, self._a, self._b, move, margin, self._decide):
             run.tested += count
             found.append(near)
@@ -147,6 +150,9 @@ def some_of(pairs: FacetPairs, most: int) -> FacetPairs:
 
 class BulkEngine(DecidingEngine):
     """The broad phase and the bulk checker."""
+
+    # They stay in the processor's cache.
+    _at_once = 1 << 14
 
     def __init__(self, a: Integers, b: Integers) -> None:
         """Take facets of shape (N, 3, 3), on the grid."""

@@ -88,8 +88,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_distance(parser)
     add_zones(
         parser,
-        "tell on which moves of a clear program the tool comes within D mm (Chebyshev), or nearly: where a "
-        "machine would be slow",
+        "tell on which moves of a clear program two objects come within D mm (Chebyshev), or nearly, by the "
+        "bulk checker: where a machine would be slow",
         "and within which, wider, people would be told",
     )
     parser.add_argument("--picture", type=Path, metavar="FILE.png", help="draw the scene, and the clearance")
@@ -150,12 +150,13 @@ def zone_widths(options: argparse.Namespace) -> list[Fraction]:
 
 
 def print_zones(zones: Sequence[dict[str, Any]], of: str, count: int) -> None:
-    """Print how many of so many moves, or pieces, are in each zone, and their lines."""
+    """Print how many of so many moves, or pieces, are in each zone, and their lines; of which two objects."""
     for zone in zones:
         lines = zone["lines"]
         told = f", lines {', '.join(map(str, lines[:_LISTED]))}" if lines else ""
         more = ", .." if len(lines) > _LISTED else ""
-        print(f"within {float(zone['within']):g} mm, or nearly: {zone[of]} of {count} {of}{told}{more}")
+        two = f"{zone['what']} and {zone['of']} " if "what" in zone else ""
+        print(f"{two}within {float(zone['within']):g} mm, or nearly: {zone[of]} of {count} {of}{told}{more}")
 
 
 def read_moves(options: argparse.Namespace) -> tuple[Program, Machine, Tool | None]:
@@ -181,8 +182,10 @@ def run(options: argparse.Namespace) -> int:
     if options.profile is not None and options.profile < 2:
         raise InputError(f"profile {options.profile}: must be at least 2 places")
     widths = zone_widths(options)
-    if widths and widths[-1] > (widest := _STEPS_OF_ZONE * options.resolution):
-        raise InputError(f"--slow, --warn: at most {float(widest):g} mm at this resolution: correct them")
+    if widths and widths[-1] + (options.step or 0) > (widest := _STEPS_OF_ZONE * options.resolution):
+        raise InputError(
+            f"--slow, --warn: at most {float(widest):g} mm at this resolution, with --step: correct them"
+        )
     program, machine, given = read_moves(options)
     whole_machine = bool(machine.objects or machine.rotary)
     work = read_stl(options.work), options.work
@@ -232,7 +235,9 @@ def run(options: argparse.Namespace) -> int:
         _print_objects(objects)
     if profile.bounds:
         _print_nearest(profile)
-    print_zones(zones, "moves", len(program.moves))
+    print_zones(_told(zones), "moves", len(program.moves))
+    if widths and result.verdict != "clear":
+        print("note: --slow and --warn are told of a clear program alone")
     for note in notes:
         print(f"note: {note}")
     _print_verdict(first, len(checked) > 1 and options.stock is not None)
@@ -318,24 +323,36 @@ def _profile(
 
 
 def _zones(program: Program, checked: list[RuleCheck], widths: list[Fraction]) -> list[dict[str, Any]]:
-    """Return which moves are in each zone of anything that must stay clear of something."""
-    if not widths:
-        return []
-    found = [set[int]() for _ in widths]
-    with progress_bar("moves, zones", sum(len(one.rule.numbers) for one in checked)) as progress:
-        for one in checked:
-            for zone, moves in zip(
-                found, moves_within(one.rule, one.scene.wanted, widths, progress), strict=True
-            ):
+    """Return which moves are in each zone, of each two that must stay clear of each other."""
+    found = dict[tuple[str, str], list[set[int]]]()
+    total = sum(len(one.rule.numbers) for one in checked) if widths else 0
+    with progress_bar("moves, zones", total) as progress:
+        for one in checked if widths else ():
+            # With each tool anew.
+            zones = found.setdefault(one.rule.names, [set[int]() for _ in widths])
+            within = moves_within(one.rule, one.scene.wanted, widths, progress)
+            for zone, moves in zip(zones, within, strict=True):
                 zone |= moves
     return [
         {
             "within": width,
-            "moves": len(zone),
-            "lines": sorted({program.moves[number].line for number in zone}),
+            "what": what,
+            "of": of,
+            "moves": len(zones[number]),
+            "lines": sorted({program.moves[move].line for move in zones[number]}),
         }
-        for width, zone in zip(widths, found, strict=True)
+        for (what, of), zones in found.items()
+        for number, width in enumerate(widths)
     ]
+
+
+def _told(zones: list[dict[str, Any]]) -> list[dict[str, Any]]:
+    """Return what is worth telling of zones: of each the objects that are in it, or any where none are."""
+    told = list[dict[str, Any]]()
+    for width in sorted({zone["within"] for zone in zones}):
+        every = [zone for zone in zones if zone["within"] == width]
+        told += [zone for zone in every if zone["moves"]] or [{"within": width, "moves": 0, "lines": []}]
+    return told
 
 
 def _report(

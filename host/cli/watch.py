@@ -55,7 +55,6 @@ from triaxis.host.report import write_report
 from triaxis.host.stl import Facets, read_stl
 
 _LENGTH, _HOLD, _LAG, _DEVIATION = Fraction(5), 50, Fraction(20), Fraction(1, 100)
-# What a tool is told to be in that is beyond none, or the first, of the zones asked for; else "free".
 # Lines that are listed; between two signs of life: the board's watchdog waits 100 ms.
 _LISTED, _ALIVE_SECONDS = 10, 0.03
 

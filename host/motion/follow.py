@@ -36,7 +36,7 @@ from triaxis.host.motion.moves import Program
 from triaxis.host.motion.path_scene import GridPoint, PathScene, Segment, nearest
 from triaxis.host.quantise import Vector, vector
 
-# What the zones are called, from the innermost.
+# What a tool is told to be in that is beyond none, or the first, of the zones asked for; else it is free.
 ZONES = ("slow", "warn")
 # How often a piece of a rapid is halved, at most, to see which zones it is beyond.
 _HALVINGS = 8

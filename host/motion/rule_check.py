@@ -12,6 +12,7 @@ from triaxis.host.enclosure import State
 from triaxis.host.engines import Progress, SceneEngine, unwatched
 from triaxis.host.euclidean import ROOT_3
 from triaxis.host.motion.contact import Rule
+from triaxis.host.motion.kinematics import Piece
 from triaxis.host.motion.machine import Tool
 from triaxis.host.motion.path_check import PathResult, bulk_engine, check_path, near_moves
 from triaxis.host.motion.path_scene import PathScene, Wanted
@@ -56,9 +57,8 @@ def check_rule(
     ``surfaces_only``, ``asked_again``: see `check_path`. Raises InputError where a turn stays undecided.
     """
     step = wanted.step
-    coarse = max(step / 2, wanted.resolution * (1 << (wanted.width or AUTOMATIC_WIDTHS[0]) - _COARSE_BITS))
     whole, turned, checked, pieces, band = PathResult(), -1, None, 0, Fraction(0)
-    for found in rule.pieces(coarse):
+    for found in rule.pieces(_coarse(wanted)):
         pieces = pieces if found.first == turned else 0
         pending = [found]
         while pending:
@@ -97,26 +97,54 @@ def moves_within(
 ) -> list[set[int]]:
     """Return the moves of the whole program that are not shown to be beyond zones, by Chebyshev's distance.
 
-    ``widths``: of the zones in millimetres, from the innermost on; so are the answers.
+    ``widths``: of the zones in millimetres, from the innermost on; so are the answers. The bulk checker
+    decides. A turn that stays undecided is in a zone.
     """
     found = [set[int]() for _ in widths]
     step = max(wanted.step, widths[0] / _PART_OF_ZONE)
     widest = replace(wanted, clearance=widths[-1], step=step, width=None, euclidean=False, margin_bits=None)
-    turned = -1
-    for piece in rule.pieces(step / 2):
-        scene = rule.scene(piece, widest)
-        engine, left = bulk_engine(scene), [*range(len(piece.moves))]
-        watched = unwatched if piece.swept else progress
-        for width, moves in zip(reversed(widths), reversed(found), strict=True):
-            # What is beyond a zone is beyond those within.
-            program = replace(scene.program, moves=tuple(piece.moves[number] for number in left))
-            zone = replace(scene.within(width), program=program)
-            left = [left[number] for number in near_moves(zone, engine, watched)]
-            moves.update(rule.numbers[piece.first + number] for number in left)
-            if not left:
-                break
-            watched = unwatched
-        if piece.swept and piece.first != turned:
+    turned, pieces = -1, 0
+    for piece in rule.pieces(_coarse(widest)):
+        if not piece.swept:
+            _add_within(rule, piece, widest, widths, found, progress)
+            continue
+        if piece.first != turned:
             progress(1)
-            turned = piece.first
+            turned, pieces = piece.first, 0
+        pending = [piece]
+        while pending and rule.numbers[turned] not in found[0]:
+            part = pending.pop()
+            pieces += 1
+            inside = [set[int]() for _ in widths]
+            _add_within(rule, part, widest, widths, inside, unwatched)
+            # What was found counts where points are off by less than half a step, or where nothing is new.
+            if part.swept <= step / 2 or pieces > _MOST_PIECES or all(map(set.__le__, inside, found)):
+                for zone, more in zip(found, inside, strict=True):
+                    zone |= more
+            else:
+                pending += reversed(part.halves())
     return found
+
+
+def _add_within(
+    rule: Rule, piece: Piece, widest: Wanted, widths: Sequence[Fraction], found: list[set[int]],
+    progress: Progress,
+) -> None:  # fmt: skip
+    """Add the moves of a piece to the zones that they are not shown to be beyond."""
+    scene = rule.scene(piece, widest)
+    engine, left = bulk_engine(scene), [*range(len(piece.moves))]
+    for width, moves in zip(reversed(widths), reversed(found), strict=True):
+        # What is beyond a zone is beyond those within.
+        program = replace(scene.program, moves=tuple(piece.moves[number] for number in left))
+        zone = replace(scene.within(width), program=program)
+        left = [left[number] for number in near_moves(zone, engine, progress)]
+        moves.update(rule.numbers[piece.first + number] for number in left)
+        if not left:
+            break
+        progress = unwatched
+
+
+def _coarse(wanted: Wanted) -> Fraction:
+    """Return how far points may be off in the parts of a turn that are looked at first, in millimetres."""
+    bits = (wanted.width or AUTOMATIC_WIDTHS[0]) - _COARSE_BITS
+    return max(wanted.step / 2, wanted.resolution * (1 << bits))

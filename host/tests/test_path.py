@@ -461,15 +461,20 @@ def test_zones_of_a_clear_program_are_told(path):
     status, said, found = path(program, *start, *zones)
     wanted = [(2, [4, 5, 6]), (10, [2, 3, 4, 5, 6, 7])]
     assert status == 0 and [(one["within"], one["lines"]) for one in found["zones"]] == wanted
-    assert "within 2 mm, or nearly: 3 of 7 moves, lines 4, 5, 6\n" in said
+    two = "the tool and the workpiece"
+    assert f"{two} within 2 mm, or nearly: 3 of 7 moves, lines 4, 5, 6\n" in said
+    said = path(program, *start, "--slow", "0.6")[1]
+    assert "\nwithin 0.6 mm, or nearly: 0 of 7 moves\n" in said
     # What is near is told alone.
     status, said, found = path(program + "\nZ0", *start, *zones)
     assert (status, found["zones"]) == (1, []) and "or nearly" not in said
+    assert "note: --slow and --warn are told of a clear program alone" in said
     for wrong in (("--warn", 9), ("--slow", 9, "--warn", 9), ("--slow", "0.5")):
         status, said, _ = path(program, *start, *wrong)
         assert status == 2 and ("give that, too" in said or "each must be wider" in said)
-    status, said, _ = path(program, *start, "--slow", "1e7")
-    assert status == 2 and "--slow, --warn: at most 2.14748e+06 mm at this resolution" in said
+    for wrong in (("--slow", "1e7"), ("--slow", "2e6", "--step", "2e5")):
+        status, said, _ = path(program, *start, *wrong)
+        assert status == 2 and "--slow, --warn: at most 2.14748e+06 mm at this resolution" in said
 
 
 def test_the_least_clearance_counts_what_a_control_may_leave_the_path_by(path):
