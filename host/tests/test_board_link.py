@@ -11,7 +11,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from triaxis.host import engines, scenes
+from triaxis.host import scenes
 from triaxis.host.cli import check as check_module
 from triaxis.host.cli import engine as engine_module
 from triaxis.host.cli import main
@@ -148,9 +148,7 @@ def path_on(tmp_path, report):
     return run
 
 
-def test_a_path_on_the_board(top, boxes, path_on, monkeypatch):
-    # A board is asked about one pose at a time.
-    monkeypatch.setattr(engines, "_POSES", 1)
+def test_a_path_on_the_board(top, boxes, path_on):
     with ServedBoard(top, Wire(patient(top))) as served:
         # Above, down beside it, and into it: A is loaded once, and asked at many poses.
         for gcode, status in (("G21 G0 X20\nG0 Z3", 0), ("G21 G0 X20\nG0 Z5\nG0 X9", 1)):
