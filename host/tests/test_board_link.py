@@ -308,7 +308,7 @@ def test_unplugged(loading, top, boxes, report, capsys):
         return data
 
     with ServedBoard(top, Wire(count, watch)) as served:
-        threading.Thread(target=lambda: due.wait(60) and served.unplug(), daemon=True).start()
+        threading.Thread(target=lambda: due.wait(600) and served.unplug(), daemon=True).start()
         words = ["board", "check", *map(str, boxes), "--port", served.path, "--hold", "--json", str(report)]
         assert main([*words, "--skip-self-test"]) == 2
     out, error = capsys.readouterr()
