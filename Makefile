@@ -125,7 +125,7 @@ unit: $(READY) ## the tests that need no simulator, prover or synthesiser: a min
 # What `make cold` runs, and whether all cores are kept busy meanwhile.
 COLD_TARGETS ?= signoff test
 COLD_BUSY ?= 1
-cold: ## try signoff and test as a new user: fresh clone, empty caches, busy machine: many hours
+cold: ## try signoff and test as a new user: fresh clone, empty caches, busy machine: hours (COLD_BUSY=0: one)
 	@COLD_TARGETS="$(COLD_TARGETS)" COLD_BUSY="$(COLD_BUSY)" WHOLE="$(WHOLE)" .ci/cold
 
 lint: $(READY) $(DVSIM) ## check style, types, imports and the testplan
