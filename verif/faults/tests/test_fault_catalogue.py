@@ -214,10 +214,10 @@ def test_a_fault_of_the_engine_is_caught(seed):
 @pytest.mark.regress
 @pytest.mark.simulator
 def test_a_fault_of_the_board_is_caught(seed):
-    """By the pins, at the clock in which they should have changed."""
+    """By the first of its tests, at the clock in which go should have ended."""
     outcome = catch(fault_of("board-go-kept-on-run"), seed)
-    assert outcome.catch and outcome.catch.test == "BoardGoTest"
-    assert "go, stop and LEDs are" in outcome.catch.message
+    assert outcome.catch and outcome.catch.test == "BoardSmokeTest"
+    assert "GoEnds: go is said after what ends it" in outcome.catch.message
 
 
 # --- Faults of a testbench ---------------------------------------------------------------------------
