@@ -60,8 +60,9 @@ _MESH: Groups = {
         "count_b_o",
     ],
     "runs in": [
-        "s_axis_run_tvalid_i", "s_axis_run_tready_o", "margin", "move[0]", "move[1]", "move[2]", "abort_i",
-        "busy_o", "trial_q", "g_walk[0].u_walk.u_control.state_q",
+        "s_axis_run_tvalid_i", "s_axis_run_tready_o", *(f"margins[{zone}]" for zone in range(3)),
+        *(f"move[{k}]" for k in range(3)), "abort_i",
+        "busy_o", "trial_q.kind", "trial_q.which", "g_walk[0].u_walk.u_control.state_q",
     ],
     "groups, boxes, pairs": [
         *(f"g_walk[0].u_walk.{name}" for name in ("row_valid", "row", "word_valid", "word_mask",
@@ -85,7 +86,7 @@ _BOARD: Groups = {
         "fault", "g_safety[0].u_safety.armed_q",
     ],
     "session": [
-        "hello", "load", "move", "run", "free", "abort", "u_command.state_q", "u_command.u_session.session_q",
+        "hello", "load", "run", "free", "abort", "u_command.state_q", "u_command.u_session.session_q",
     ],
     "runner": ["busy", "aborting", "run_state", "run_mode", "done", "done_status", "near_count", "zones"],
     "engine": [
