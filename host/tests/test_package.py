@@ -45,7 +45,7 @@ sys.meta_path.insert(0, Hidden())
 
 
 @pytest.mark.simulator
-@pytest.mark.regress
+@pytest.mark.long
 def test_a_wheel_decides_outside_a_checkout(tmp_path):
     source, site, home = tmp_path / "source", tmp_path / "site", tmp_path / "home"
     source.mkdir()

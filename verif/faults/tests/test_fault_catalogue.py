@@ -211,7 +211,7 @@ def test_a_fault_of_the_engine_is_caught(seed):
     assert outcome.catch.replay and "--fault engine-memory-read" in outcome.catch.replay
 
 
-@pytest.mark.regress
+@pytest.mark.long
 @pytest.mark.simulator
 def test_a_fault_of_the_board_is_caught(seed):
     """By the first of its tests, at the clock in which go should have ended."""

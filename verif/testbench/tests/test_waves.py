@@ -56,7 +56,7 @@ def test_what_leaves_no_waves_is_refused(monkeypatch):
         check_waves("fst", PIN, VERILATOR)
 
 
-@pytest.mark.regress
+@pytest.mark.long
 @pytest.mark.simulator
 @pytest.mark.parametrize(
     ("test", "config"),
