@@ -702,6 +702,7 @@ def test_a_machining_centre(tmp_path, capsys):
 def test_the_mill_to_try(tmp_path, capsys):
     """As host.md has it."""
     files = [str(file) for file, _ in write_mill(tmp_path)]
+    within = list[tuple[float, str, str, list[int]]]()
     for program, near in (("part.nc", None), ("crash.nc", (9, "the cutter", "the stock"))):
         words = [files[0], tmp_path / "vise.stl", tmp_path / program, "--stock", tmp_path / "blank.stl"]
         words += ["--start", 0, 0, 400, "--engine", "bulk", "--resolution", 0.01, "--slow", 8, "--warn", 14]
@@ -710,7 +711,7 @@ def test_the_mill_to_try(tmp_path, capsys):
         found = (report["near"]["line"], report["what"], report["of"]) if report["near"] else None
         assert (status, found) == (int(near is not None), near), said
         if near is None:
-            within = [(z["within"], z["what"], z["of"], z["lines"]) for z in report["zones"] if z["moves"]]
+            within += [(z["within"], z["what"], z["of"], z["lines"]) for z in report["zones"] if z["moves"]]
     # Rapids of a drilling cycle come near the stock; turns do not.
     assert sorted(within) == [
         (8, "the cutter", "the stock", [19, 20]),
