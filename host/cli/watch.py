@@ -18,7 +18,7 @@ from triaxis.golden.errors import InputError
 from triaxis.host.cli import DONE, NO
 from triaxis.host.cli.arguments import add_numbers
 from triaxis.host.cli.engine import BOARD, about, add_port, add_trust, board_of, self_tested, width_of
-from triaxis.host.cli.path import (
+from triaxis.host.cli.program import (
     add_program,
     add_zones,
     place_words,
