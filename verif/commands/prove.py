@@ -38,7 +38,7 @@ def add_formal(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of ``prove formal``."""
     parser.description = (
         "Prove the core, the mesh engine and what go implies on the board, with yowasp-sby, yices and "
-        "algebra on the netlist, and the theorem with Coq; some four minutes. Writes "
+        "algebra on the netlist, and the theorem with Coq; some six minutes. Writes "
         "build/formal/formal.json when all proofs are run."
     )
     parser.add_argument("--proof", default="*", metavar="GLOB", help="only proofs of such names (*)")
