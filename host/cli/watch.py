@@ -347,7 +347,7 @@ class _Display:
             return
         self._beyond = beyond
         zone = ZONES[beyond] if beyond < self._zones else "free"
-        print(f"zone: {zone}, line {self._follower.pieces[number].line}", flush=True)
+        print(f"zone: {zone}, line {self._follower.line_beyond(beyond, number)}", flush=True)
         if self._page is not None:
             self._page.tell(zone=zone)
 
@@ -381,24 +381,26 @@ def _come_to_start(
 ) -> bool:
     """Wait until there is a position; ``waits``: until it is of the part's tool, angles and start.
 
-    ``several``: the program has several tools. Returns whether there is one. A board that hears nothing gives
-    no go; until it is asked it says stop.
+    ``several``: the program has several tools. Returns whether there is one. Raises StrayedError where the
+    first is not at the start, and nothing else is to be waited for: a machine that stands where the program
+    ends has not gone through it. A board that hears nothing gives no go; until it is asked it says stop.
     """
     while not positions.wait(_ALIVE_SECONDS):
         board.status()
-    while waits:
+    while True:
         here = positions.report()
         if here is None:
             return False
         _check_told(positions, several)
-        try:
-            if positions.tool in (None, one.tool.number) and one.stands(_angles(positions, one)):
-                follower.moved(*here)
-                break
-        except StrayedError:
-            pass
+        ready = positions.tool in (None, one.tool.number) and one.stands(_angles(positions, one))
+        if (ready or not waits) and follower.is_at_start(here[0]):
+            return True
+        if not waits:
+            where, start = (
+                place_words(place, NOWHERE) for place in (here[0], one.scene.program.moves[0].start)
+            )
+            raise StrayedError(f"the tool is at {where}, and the program begins at {start}: bring it there")
         board.status()
-    return True
 
 
 def _check_told(positions: Source, several: bool) -> None:

@@ -10,8 +10,8 @@ may touch, and
 The stock is taken as it is before the operation; what was cut away is not tracked. So a rapid out of a cut
 begins within the stock, and the rule for it is one of geometry alone. Say that a tool has *been* at a
 position when it came there by moves that all keep these rules; then the material that its cutter would touch
-there is gone, or never was. Where an operation begins it has not been: nobody checked how it came there, and
-its first rapid must be clear.
+there is gone, or never was. Where an operation begins, or a tool was changed, for another or the same, it has
+not been: nobody checked how it came there, and its first rapid must be clear.
 
 Straight up. With C the cutter, let S be a solid that holds every point of C moved up by t, 0 < t <= s, that
 is not in C, for some s > 0. Where S keeps clear of the stock on all of the way up, C does not meet material
@@ -215,9 +215,11 @@ def _rapids_into_stock(moves: Sequence[Move], tilting: Sequence[int]) -> tuple[l
     here: Vector | None = None
     # The lowest Z at which the tool has been since it came to this X and Y; none yet where it begins.
     low: Fraction | None = None
+    changes = 0
     for number, move in enumerate(moves):
-        if move.start != here:
+        if move.start != here or move.changes != changes:
             low = None
+        changes = move.changes
         upright = move.curve is None and move.start[:2] == move.end[:2] and not move.turning
         upright = upright and not any(move.turns[0][k] for k in tilting)
         if move.rapid and upright and low is not None and move.end[2] >= move.start[2]:

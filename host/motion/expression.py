@@ -27,6 +27,8 @@ _WORD = re.compile(r"[a-z]+", re.IGNORECASE)
 _EQUAL = 1e-4
 # Of a number that moves anything: beyond it no machine goes, and double precision is coarse.
 LARGEST = 10**9
+# Of a parameter that only what ran before could tell.
+NO_VALUE = "has a value that the program does not give it: set it before"
 # Parameters that belong to a subroutine: its arguments.
 ARGUMENTS = 30
 _LARGEST_PARAMETER = 5602
@@ -80,7 +82,7 @@ class Memory:
         if (value := self.ask(key)) is not None:
             return value
         shown = f"#{key}" if isinstance(key, int) else f"#<{key}>"
-        raise ValueError(f"{shown} has a value that the program does not give it: set it before")
+        raise ValueError(f"{shown} {NO_VALUE}")
 
     def set(self, key: Key, value: Value) -> None:
         """Give a parameter a value; raise ValueError where the control alone does."""

@@ -298,6 +298,10 @@ class Follower:
         """Return where the tool was last."""
         return self._place
 
+    def is_at_start(self, position: Vector) -> bool:
+        """Return whether a position, in millimetres, is where the first move begins."""
+        return _apart(self.scene.place(position), self.pieces[0].start) <= self._slack + 1
+
     @property
     def at_the_end(self) -> bool:
         """Return whether the tool is at the end of the path, and not where it only passes over that.
@@ -333,7 +337,11 @@ class Follower:
             yield from (segment.curve[0](part) for part in _QUARTERS if part > come)
 
     def moved(self, position: Vector, since: float = 0.0) -> None:
-        """Take where the tool is, in millimetres, at a second; raise StrayedError where it may not be."""
+        """Take where the tool is, in millimetres, at a second; raise StrayedError where it may not be.
+
+        Holds rest on the speed. What is read of a time is true within a lag of it (`follow` sees to that), so
+        between two looks there is a lag more than between their times.
+        """
         place = self.scene.place(position)
         among = range(self._first, max(self.permitted, 1))
         held = [number for number in among if self._is_in(self.pieces[number], place)]
@@ -345,6 +353,15 @@ class Follower:
                 f"{self.scene.program.path}; the machine is stopped: check the origin, and "
                 "--deviation, or begin anew"
             )
+        if self._looked is not None:
+            seconds = Rational(max(since - self._looked, 0.0)) + Rational(self.lag)
+            way = _apart(place, self._place)
+            if way > self._steps_a_second * seconds + 1:
+                fast = float(way * self.scene.wanted.resolution)
+                raise StrayedError(
+                    f"the tool went {fast:.4g} mm in {float(seconds):.3g} s at most: faster than --speed; "
+                    "the machine is stopped: check --speed, --lag, and where positions come from"
+                )
         self._first, self._last, self._place = held[0], held[-1], place
         if self._looked is not None:
             self._longest_look = max(self._longest_look, since - self._looked)
@@ -415,6 +432,11 @@ class Follower:
             return zones.pop()
         reached = next((one for one in range(self._last, upto) if self.hold(one) >= hold), upto - 1)
         return min(one.beyond for one in self.pieces[self._first : reached + 1])
+
+    def line_beyond(self, beyond: int, number: int) -> int:
+        """Return the line of the first piece, up to one of a number, that is beyond no more zones."""
+        ahead = self.pieces[self._first : max(number + 1, self.permitted)]
+        return next((one.line for one in ahead if one.beyond <= beyond), self.pieces[number].line)
 
     def permit(self, number: int) -> None:
         """Take that a piece was found clear, and go is said."""
@@ -621,11 +643,13 @@ class SimulatedTool:
         """Begin at the start."""
         self._moves, self._speed, self._now, self._permitted = program.moves, float(speed), now, permitted
         self._number, self._part, self._since = 0, Fraction(0), now()
+        # The way, in mm, that it has not gone yet of what it could.
+        self._left = 0.0
 
     def report(self) -> Report:
         """Go on for the time that has passed; return where the tool is, None once it has been at the end."""
         now = self._now()
-        left = self._speed * (now - self._since) if self._permitted() else 0.0
+        self._left += self._speed * (now - self._since) if self._permitted() else 0.0
         self._since = now
         if self._number == len(self._moves):
             return None
@@ -633,10 +657,14 @@ class SimulatedTool:
             move = self._moves[self._number]
             here, step = move.at(self._part), min(1 - self._part, Fraction(1, _PARTS if move.curve else 1))
             way = float(max(abs(b - a) for a, b in zip(here, move.at(self._part + step), strict=True)))
-            if left < way:
-                self._part += step * Fraction(int(_PARTS * left / way), _PARTS)
+            if self._left < way:
+                steps = int(_PARTS * self._left / way)
+                self._part, self._left = (
+                    self._part + step * Fraction(steps, _PARTS),
+                    self._left - way * steps / _PARTS,
+                )
                 return move.at(self._part), now
-            left -= way
+            self._left -= way
             self._part += step
             if self._part == 1:
                 self._number, self._part = self._number + 1, Fraction(0)

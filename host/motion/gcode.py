@@ -27,10 +27,12 @@ from triaxis.host.motion.expression import (
 )
 
 # What follows a program could be run by a control: nothing of a file is passed over.
-AFTER_THE_END = "stands after the end of the program: remove it, or split the file"
+AFTER_THE_END = (
+    "stands after the end of the program: subroutines come before that, another program is a file of its own"
+)
 # Radius and angle of a polar position.
 POLAR = "@^"
-# Lines that run, and calls within calls: a program that takes more is taken for one that does not end.
+# Lines that run again, and calls within calls: a program that takes more is taken for one that does not end.
 _MOST_LINES, _MOST_CALLS = 2_000_000, 50
 
 _PLAIN = re.compile(rf"([A-Za-z])[ \t]*([+-]?(?:{NUMBER}))", re.ASCII)
@@ -246,6 +248,7 @@ class Execution:
         """
         self._path, self._memory, self._skip = path, memory, skip_optional
         self._subroutines: dict[str, _Flow] = {}
+        self._held = 0
         self._program = self._parsed(path)
         self._ran = self._depth = self._next = self._line = 0
 
@@ -282,6 +285,7 @@ class Execution:
         """Return the statements up to the end of ``outer``, and that end."""
         found: list[_Statement] = []
         for line in lines:
+            self._held += 1
             if isinstance(line, Line):
                 found.append(line)
                 continue
@@ -332,8 +336,8 @@ class Execution:
         self._ran += 1
         if statement.place.path == self._path:
             self._line = statement.place.line
-        if self._ran > _MOST_LINES:
-            why = f"{_MOST_LINES} lines have run, so the program does not end: correct its loops"
+        if self._ran > self._held + _MOST_LINES:
+            why = f"{_MOST_LINES} lines have run again, so the program does not end: correct its loops"
             raise statement.place.error("O" if isinstance(statement, _Flow) else "line", why)
 
     def _block(self, line: Line) -> Block:

@@ -34,6 +34,8 @@ from triaxis.host.quantise import Vector, added, vector
 _AXES = "XYZ"
 # Of M60.
 PALLET = "what comes with a change of the pallet is not known: the workpiece is taken to be the same"
+# Of G92.3.
+RESTORES = "brings back what the control kept before the program, which nobody knows here: give G92"
 _INCH, _MILLIMETRE = Rational(254, 10), Rational(1)
 ORIGIN: Vector = vector((Rational(0),) * 3)
 # Of a plane the two axes of its arcs, counter-clockwise from the first to the second, then the third.
@@ -99,9 +101,13 @@ class Interpreter:
     turned: Vector = ORIGIN
     shift: Vector = ORIGIN
     shifted: bool = True
+    # Whether the program has said what G92 is.
+    shift_known: bool = False
     # Whose length G43 adds; None without compensation.
     offset: int | None = None
     compensation: Vector = ORIGIN
+    # How often a tool was changed.
+    changes: int = 0
     # By T; None before the first: what the control has selected then nobody tells.
     chosen: int | None = None
     cycle: dict[str, Fraction] = field(default_factory=dict)
@@ -331,6 +337,7 @@ class Interpreter:
             self.refuse(place, word, "changes the tool, and so its shape: give a machine file with tools")
         else:
             self.notes["tool"] = f"line {self.line}: the tool of {word.text} is taken to be the one given"
+        self.changes += 1
         # Of moves with an empty spindle nothing is known, but by a tool 0.
         self.loaded = number if number in self.machine.tools or not self.machine.tools else None
 
@@ -421,8 +428,11 @@ class Interpreter:
             here, shift = self.programmed(), self.shift if self.shifted else ORIGIN
             new = {k: here[k] + shift[k] - v if code == "G92" else v for k, v in values.items()}
             self.shift, self.shifted = vector(new.get(k, shift[k]) for k in range(3)), True
+            self.shift_known = True
         elif code == "G92.1":
-            self.shift = ORIGIN
+            self.shift, self.shift_known = ORIGIN, True
+        elif code == "G92.3" and not self.shift_known:
+            raise place.error(word.text, RESTORES)
         elif code != "G4":
             self.shifted = code == "G92.3"
         return bool(taking)
@@ -505,6 +515,9 @@ class Interpreter:
         motion = self.modal.motion
         turning = {ROTARY.index(letter): words[letter] for letter in ROTARY if letter in words}
         first = next(word for given in (axes, self._arc_alone(words), turning) for word in given.values())
+        if motion is None and self.refused:
+            # It may be that of a word which is refused: nothing is known of where it goes.
+            return None
         if motion is None:
             raise place.error(first.text, "an axis word, but no G0 or G1 on the line or in force: add one")
         absolute = [word for word in codes.get("no modal group", ()) if word.code == "G53"]
@@ -739,7 +752,8 @@ class Interpreter:
             told = "without G61 or G64 the path is taken for exactly followed"
             self.notes.setdefault("path mode", f"line {self.line}: {told}")
         turns = self.turned, turned or self.turned
-        move = Move(self.line, start, end, rapid, straight, curve, slack, self.loaded or 0, turns)
+        tool, changes = self.loaded or 0, self.changes
+        move = Move(self.line, start, end, rapid, straight, curve, slack, tool, turns, changes=changes)
         try:
             self.moves.append(self.machine.turned(move, self.moves, blended))
         except ValueError as error:

@@ -69,7 +69,7 @@ def read_machine(path: Path, scale: Fraction = Fraction(1)) -> Machine:
     ``scale``: millimetres per unit of STL files, and of the parts of tools.
     """
     try:
-        content = tomllib.loads(read_input(path).decode(), parse_float=_decimal)
+        content = tomllib.loads(read_input(path).decode("utf-8-sig"), parse_float=_decimal)
     except InputError:
         raise
     except (ValueError, RecursionError) as error:

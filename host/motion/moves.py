@@ -1,5 +1,6 @@
 """The moves of a program, and what was assumed in reading it."""
 
+import re
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
@@ -12,6 +13,15 @@ from triaxis.host.motion.curves import Curve
 from triaxis.host.quantise import NOWHERE, Vector, vector
 from triaxis.host.stl import Facets
 
+# What a program may leave to the control, and what says it; comments.
+_STATE = {
+    assumed: re.compile(rf"[Gg]\s*0*(?:{codes})(?!\.?\d)")
+    for assumed, codes in (
+        ("G90", "9[01]"), ("G17", "1[789]"), ("G54", r"5[4-9]|59\.[123]"), ("no G92", r"92(?:\.[12])?|52"),
+        ("no length compensation", r"43(?:\.[12])?|49"),
+    )
+}  # fmt: skip
+_COMMENT = re.compile(r"\([^)]*\)|;.*")
 # Chords that a curve is drawn with.
 _DRAWN = 32
 
@@ -22,6 +32,7 @@ class Move:
 
     A rapid that is not straight may be anywhere in the box of both. ``slack``: how far the control may be off
     all this. ``turns``: A, B and C at both ends, in degrees; ``turn_slack``: how far they may be off.
+    ``changes``: how often a tool was changed before it, to the same one, too.
     """
 
     line: int
@@ -34,6 +45,7 @@ class Move:
     tool: int = 0
     turns: tuple[Vector, Vector] = (NOWHERE, NOWHERE)
     turn_slack: Fraction = Fraction(0)
+    changes: int = 0
 
     def at(self, part: Fraction) -> Vector:
         """Return the position after a part of it, 0..1."""
@@ -90,6 +102,23 @@ class Program:
         """Return the numbers of moves that do not start where the one before ends."""
         moves = self.moves
         return [k for k in range(len(moves)) if not k or moves[k].start != moves[k - 1].end]
+
+
+def assumed_state(lines: Sequence[str], moves: Sequence[Move]) -> str:
+    """Return the note of what no line up to the first move says: what the control has then; "" where nothing.
+
+    An aborted program may leave G91, another system or plane; G92 and G43 stay after M2.
+    """
+    text = "\n".join(_COMMENT.sub("", line) for line in lines[: moves[0].line])
+    curved = any(move.curve is not None for move in moves)
+    missing = [
+        assumed
+        for assumed, pattern in _STATE.items()
+        if pattern.search(text) is None and (curved or assumed != "G17")
+    ]
+    if not missing:
+        return ""
+    return f"line {moves[0].line}: no line up to it says otherwise: {', '.join(missing)} assumed"
 
 
 def assumed_start(moves: Sequence[Move]) -> str:

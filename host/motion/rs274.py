@@ -4,7 +4,9 @@
 decimals in the unit in force, which the slack of each move covers. Each line is given its number as N word,
 so that moves know theirs. It thinks in inches: so do the offsets and the tool table that it is given. Where
 a line changes the tool and its compensation it forgets the new tool's length until Z moves: as both are done
-in turn, such a line is given as two. Comments of the program that print become plain ones.
+in turn, such a line is given as two. Comments of the program that print become plain ones. Numbered
+parameters are given as named ones: of these it tells when one is read that has no value yet, where it would
+take a number for what the last program left, or for 0.
 """
 
 import math
@@ -14,7 +16,7 @@ import shutil
 import signal
 import subprocess
 import tempfile
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from pathlib import Path
@@ -24,12 +26,12 @@ from triaxis.golden.exact import Rational
 from triaxis.golden.input_file import Place, read_input
 from triaxis.host.engines import Progress, unwatched
 from triaxis.host.motion.curves import SLACK, Curve, Turned, arc
-from triaxis.host.motion.expression import ARGUMENTS, number
+from triaxis.host.motion.expression import ARGUMENTS, NO_VALUE, number
 from triaxis.host.motion.gcode import AFTER_THE_END
-from triaxis.host.motion.interpreter import PALLET
+from triaxis.host.motion.interpreter import PALLET, RESTORES
 from triaxis.host.motion.kinematics import ROTARY
 from triaxis.host.motion.machine import SYSTEMS, Machine
-from triaxis.host.motion.moves import Move, Program, assumed_start
+from triaxis.host.motion.moves import Move, Program, assumed_start, assumed_state
 from triaxis.host.motion.program import TOLD_AFTER, read_program
 from triaxis.host.quantise import NOWHERE, Vector, added, vector
 
@@ -96,7 +98,8 @@ class _Told:
     changed: int = -1
     numbered: bool = True
     stale: bool = False
-    # Whether a T has been told.
+    # How often a tool was changed; whether a T has been told.
+    changes: int = 0
     chosen: bool = False
     # Lines that were given as two.
     split: frozenset[int] = frozenset()
@@ -125,9 +128,14 @@ class _Told:
             self.chosen |= line > 0
         elif call == "PALLET_SHUTTLE":
             self.notes["pallet"] = f"line {line}: {PALLET}"
+        elif call == "PROGRAM_END":
+            # M30 changes the pallet, too, and nothing comes after it.
+            if self.notes.get("pallet", "").startswith(f"line {line}: "):
+                del self.notes["pallet"]
         elif call in ("CHANGE_TOOL", "CHANGE_TOOL_NUMBER"):
             if line and self.machine.tools and not self.chosen and call == "CHANGE_TOOL":
                 raise ValueError("changes to the tool that the control has selected: give T before it")
+            self.changes += call == "CHANGE_TOOL"
             self._change_tool(line, int(text))
         elif call in _CALLS:
             numbers = [
@@ -177,7 +185,7 @@ class _Told:
     def _set(self, name: str, line: int, values: list[Fraction], numbers: list[Fraction]) -> None:
         new = vector(values[:3])
         if name == "compensation" and any(numbers[3:]):
-            raise ValueError("compensation of more than X, Y and Z: leave it out")
+            raise ValueError("length compensation of more than X, Y and Z is not followed")
         if name == "compensation" and any(new) and self.machine.tools and not self.loaded:
             raise ValueError("compensation of an empty spindle, for which it takes the tool before: give G49")
         if name != "compensation":
@@ -197,10 +205,10 @@ class _Told:
     def _joined(self, values: list[Fraction]) -> None:
         self.joined = values[0]
 
-    def _place(self, position: list[Fraction]) -> Vector:
-        """Return where the spindle's nose is, in the frame of WORK.stl."""
+    def _place(self, position: list[Fraction], is_there: bool = True) -> Vector:
+        """Return where the spindle's nose is, in the frame of WORK.stl, or where it never is."""
         x, y, z = (p + s for p, s in zip(position, self.offsets["shift"], strict=True))
-        self.farthest = max(self.farthest, abs(x) + abs(y))
+        self.farthest = max(self.farthest, (abs(x) + abs(y)) * is_there)
         if self.angle:
             cos, sin = Fraction(math.cos(self.angle)), Fraction(math.sin(self.angle))
             x, y = (Rational(round(v * 10**9), 10**9) for v in (x * cos - y * sin, x * sin + y * cos))
@@ -234,7 +242,7 @@ class _Told:
         assert self.position is not None
         # An arc in XY stays one when it is turned about z; of another what is turned is the arc.
         turned = self.angle if self.plane != "XY" else 0.0
-        start, stop, middle = self.position, target, self._place(centre)
+        start, stop, middle = self.position, target, self._place(centre, False)
         if turned:
             start = self._before_turning(start)
             stop, middle = (added(vector(place), self.offsets["shift"]) for place in (end, centre))
@@ -243,7 +251,15 @@ class _Told:
         if turned:
             slack = curve.slack + 2 * SLACK
             curve = Turned(self.position, target, curve.bend, slack, curve, turned, self._origin())
+        self._reach(curve)
         self._go(line, target, False, curve)
+
+    def _reach(self, curve: Curve) -> None:
+        """Take how far from the zero a curve comes, which its centre does not tell."""
+        ends = [
+            [abs(c - o) for c, o in zip(corner, self._origin(), strict=True)] for corner in curve.extent()
+        ]
+        self.farthest = max(self.farthest, *(x + y for x, _, _ in ends for _, y, _ in ends))
 
     def _origin(self) -> Vector:
         """Return where the zero of a system is that is turned, in the frame of WORK.stl."""
@@ -295,7 +311,9 @@ class _Told:
         slack = blended + printed + (curve.slack if curve is not None else 0)
         straight = curve is None and (not rapid or self.machine.straight)
         moved = curve.moved(below) if curve is not None else None
-        move = Move(line, start, end, rapid, straight, moved, slack, self.loaded or 0, turns, 6 * _HALF)
+        move = Move(
+            line, start, end, rapid, straight, moved, slack, self.loaded or 0, turns, 6 * _HALF, self.changes
+        )  # fmt: skip
         self.moves.append(self.machine.turned(move, self.moves, blended))
 
 
@@ -359,7 +377,9 @@ def read_by_rs274(
     """Read a program as `program.read_program` does; raise InputError where the interpreter refuses it."""
     lines = _lines_of(path)
     _check_installed()
-    turns, called = _refuse_unknown(path, lines, machine)
+    turns, files = _refuse_unknown(path, lines, machine)
+    named = _with_names({path: lines, **{file: _lines_of(file) for file in files}})
+    lines = named.pop(path)
     x, y, z = (float(c) for c in start or NOWHERE)
     # Where it begins, with which tool; then no motion is in force. What waits at the end goes with M2.
     first = [f"N0 T{machine.loaded} M6"] if machine.loaded is not None else []
@@ -377,16 +397,15 @@ def read_by_rs274(
         folder = Path(name)
         (folder / "called").mkdir()
         (folder / "program.ngc").write_text("\n".join(program))
-        for file in called:
-            bare = [_NUMBER.sub(r"\g<1>", line, count=1) for line in _lines_of(file)]
+        for file, text in named.items():
+            bare = [_NUMBER.sub(r"\g<1>", line, count=1) for line in text]
             (folder / "called" / file.name).write_text("\n".join(bare))
         done = _interpret(folder, machine, skip_optional, Path("program.ngc"), Path("called"), _LONGEST)
         if done in _ENDLESS:
             most = f"within {_LONGEST} s, or {_MOST_BYTES >> 30} GB of moves"
             raise InputError(f"{path}: {_PROGRAM} did not end {most}: correct its loops")
         if done:
-            told = _ERROR.findall((folder / _ERRORS).read_text(errors="replace"))
-            raise InputError(f"{path}: {_PROGRAM} refuses it: {' / '.join(told[-3:]) or 'no reason given'}")
+            raise _refusal(path, (folder / _ERRORS).read_text(errors="replace"))
         split = frozenset(count for count, parts in enumerate(given, 1) if len(parts) > 1)
         state = _Told(path, machine, machine.loaded, tolerance=machine.tolerance or Fraction(0), split=split)
         state.turns = turns
@@ -400,6 +419,7 @@ def read_by_rs274(
         raise InputError(f"{path}: no moves: a program with at least one G0 or G1 move is needed")
     if start is None:
         state.notes["start"] = assumed_start(state.moves)
+    state.notes["state"] = assumed_state(_lines_of(path), state.moves)
     state.notes |= machine.assumed
     line = state.moves[0].line
     state.notes.setdefault("units", f"line {line}: no G20 or G21 before it: millimetres assumed")
@@ -408,6 +428,17 @@ def read_by_rs274(
         state.notes.setdefault("path mode", f"line {line}: {told}")
     changes = (state.loaded or 0) != state.moves[-1].tool
     return Program(path, tuple(state.moves), tuple(filter(None, state.notes.values())), changes)
+
+
+def _refusal(path: Path, errors: str) -> InputError:
+    """Return what the interpreter says of a program that it does not run to its end."""
+    if (unset := _UNSET.search(errors)) is not None:
+        name = f"#{unset[2] or unset[1]}"
+        if unset[3]:
+            return Place(path, int(unset[3])).error(name, NO_VALUE)
+        return InputError(f"{path}: {name} {NO_VALUE}")
+    told = _ERROR.findall(errors)
+    return InputError(f"{path}: {_PROGRAM} refuses it: {' / '.join(told[-3:]) or 'no reason given'}")
 
 
 def _take(state: _Told, calls: Iterable[str], progress: Progress) -> int | None:
@@ -447,8 +478,17 @@ _RADIUS_WORDS = re.compile(rf"g0*4[12](\.0*1?)?(?!\d)|{_ANY_WORD}")
 _ANY_HOME, _BY_LINEAR = re.compile(rf"g0*(28|30){_END}"), re.compile(r"(?!.*[abc])(?=.*[xyz]).*")
 _CHANGES, _COMPENSATES = (re.compile(rf"{word}{_END}|{_ANY_WORD}") for word in ("m0*6", "g0*4[39]"))
 _LOADING = re.compile(rf"m0*61{_END}")
+_RESTORING, _SHIFTING = re.compile(r"g0*92\.30*(?!\d)"), re.compile(rf"g0*(92(\.10*)?|52){_END}")
 _TURNS = re.compile(rf"g0*10{_END}|{_ANY_WORD}")
-_READ, _SET = re.compile(r"#(\d+|<[^>]*>)(?!\d*=)"), re.compile(r"#(\d+|<[^>]*>)=")
+_READ, _SET_NAME = re.compile(r"#(\d+|<[^>]*>)(?!\d*=)"), re.compile(r"#(<[^>]*>)=")
+# From which number on parameters are the control's; in a line without blanks, and in any line.
+_CONTROLS, _NUMBERED = 5000, re.compile(r"#((?:\s*\d)+)", re.ASCII)
+# Whether a name exists that all programs share hangs on those before; where it has a value it does.
+_EXISTS = re.compile(r"exists\s*\[\s*(#\s*<\s*_[^>]*>)\s*\]", re.IGNORECASE)
+_BOUNDS, _FANUC = re.compile(r"o(?:<[^>]*>|\d+)(sub|endsub)"), re.compile(rf"m0*98{_END}")
+_WHOSE = "an argument, in a program with M98 and O sub: of which call is not known: use #31 or more"
+# What the interpreter says of a name without a value: the name, its number where it stands for one, the line.
+_UNSET = re.compile(r"Named parameter #(<(?:_p+(\d+))?[^>]*>) not defined\s*(?:N(\d+) )?")
 _INDIRECT = re.compile(r"##|#\[")
 _CALLED, _DEFINED = re.compile(r"o(<[^>]*>|\d+|[\[#]).*?call"), re.compile(r"o(<[^>]*>|\d+)sub")
 # Of names that begin with _, those that mean the same on each machine; the others are the control's.
@@ -490,9 +530,13 @@ def _refuse_unknown(path: Path, lines: Sequence[str], machine: Machine) -> tuple
     for file in files:
         files += [more for more in _called(file, texts[file]) if more not in texts]
         texts |= {more: list(map(_bare, _lines_of(more))) for more in files if more not in texts}
-    given = {name for text in texts.values() for line in text for name in _SET.findall(line)}
+    set_names = {name for text in texts.values() for line in text for name in _SET_NAME.findall(line)}
     for file, text in texts.items():
+        shift_known = False
         for count, line in enumerate(text, 1):
+            if _RESTORING.search(line) and not shift_known:
+                raise Place(file, count).error("G92.3", RESTORES)
+            shift_known |= _SHIFTING.search(line) is not None
             if file != path and _CHANGES.search(line) and _COMPENSATES.search(line):
                 why = "with a change of the tool, in a file of its own, which it mistakes: give two lines"
                 raise Place(file, count).error("G43", why)
@@ -503,17 +547,59 @@ def _refuse_unknown(path: Path, lines: Sequence[str], machine: Machine) -> tuple
                 if missing and (match := pattern.search(line)):
                     raise Place(file, count).error(match[0], why)
             for name in _READ.findall(line):
-                own = name.isdigit() and 5420 <= int(name) <= 5422
-                argument = name.isdigit() and int(name) <= ARGUMENTS
-                if name not in given | _MEANT and not own and not argument:
-                    why = "has a value that the program does not give it: set it before"
-                    raise Place(file, count).error(f"#{name}", why)
+                # Of numbers up to the control's own the interpreter tells (`_with_names`).
+                free = name.isdigit() and (int(name) < _CONTROLS or 5420 <= int(name) <= 5422)
+                if name not in set_names | _MEANT and not free:
+                    raise Place(file, count).error(f"#{name}", NO_VALUE)
     ends = [count for count, line in enumerate(texts[path], 1) if line == "%"]
     closed = ends[1] if len(ends) > 1 else ends[0] if ends and any(texts[path][: ends[0] - 1]) else None
     for count, line in enumerate(texts[path], 1):
         if closed is not None and count > closed and line:
             raise Place(path, count).error(line[:20], AFTER_THE_END)
     return any(_TURNS.search(line) for text in texts.values() for line in text), files[1:]
+
+
+def _with_names(texts: Mapping[Path, Sequence[str]]) -> dict[Path, list[str]]:
+    """Return files with names in place of the numbers of parameters, but for arguments of subroutines.
+
+    Raises InputError where it is not known whose arguments numbers are.
+    """
+    bare = {file: list(map(_bare, text)) for file, text in texts.items()}
+    every = [line for text in bare.values() for line in text]
+    prefix = "_p"
+    while any(f"<{prefix}" in line for line in every):
+        prefix += "p"
+    # M98 calls lines that stand in no subroutine, with the arguments of whoever calls.
+    unclear = any(map(_FANUC.search, every)) and any(map(_BOUNDS.search, every))
+    named = dict[Path, list[str]]()
+    for file, text in texts.items():
+        within, lines = False, list[str]()
+        for count, (line, bare_line) in enumerate(zip(text, bare[file], strict=True), 1):
+            bound = _BOUNDS.search(bare_line)
+            within |= bound is not None and bound[1] == "sub"
+            numbers = map(int, _NUMBERED.findall(bare_line)) if unclear and not within else ()
+            if any(1 <= number <= ARGUMENTS for number in numbers):
+                raise Place(file, count).error("#", _WHOSE)
+            lines.append(_with_name(line, prefix, within))
+            within &= bound is None or bound[1] == "sub"
+        named[file] = lines
+    return named
+
+
+def _with_name(line: str, prefix: str, within: bool) -> str:
+    """Return a line with names; ``within`` a subroutine, whose arguments keep their numbers."""
+
+    def name(match: re.Match[str]) -> str:
+        key = int("".join(match[1].split()))
+        kept = key >= _CONTROLS or (within and key <= ARGUMENTS) or not key
+        return match[0] if kept else f"#<{prefix}{key}>"
+
+    at, parts = 0, list[str]()
+    for comment in (*_COMMENT.finditer(line), None):
+        code = line[at : comment.start()] if comment else line[at:]
+        parts += [_NUMBERED.sub(name, _EXISTS.sub(r"[1+0*\1]", code)), comment[0] if comment else ""]
+        at = comment.end() if comment else len(line)
+    return "".join(parts)
 
 
 def _split(line: str) -> list[str]:

@@ -104,6 +104,8 @@ CUTS_AND_CRASHES = pytest.mark.parametrize(
         (MILL, "G0 Z2\nG1 Z-7.4\nG0 Z20", CLEAR),
         (MILL, "G0 Z2\nG1 Z-7.6\nG0 Z20", (3, "the tool's body", "the stock")),
         (BLADE, "G0 Z2\nG1 X50\nZ-20.6\nX20", (4, "the tool", "the workpiece")),
+        # After a change of the tool, to the same one, nobody knows how it came there.
+        (MILL, "G0 Z2\nG1 Z-5\nT1 M6 G0 Z20", (4, "the cutter", "the stock")),
         # A neck leaves what is above the cutter to the cutter: it comes out of no undercut.
         (NECKED, "G0 Z2\nG1 Z-7.4\nX5\nG0 Z20", CLEAR),
         (NECKED, "G0 Z2\nG1 X50\nG1 Z-12\nX42.7\nG0 Z20", (6, "the cutter's top", "the stock")),

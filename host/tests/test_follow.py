@@ -115,9 +115,9 @@ def test_every_place_of_the_path_is_in_a_piece_and_they_come_in_order(program, r
         follower = Follower(scene, found, SPEED, LAG)
         follower.permitted = len(found)
         assert not follower.at_the_end
-        for move in scene.program.moves:
-            for place in ways(move, rng):
-                follower.moved(vector(c + d for c, d in zip(place, off_path(move, rng), strict=True)))
+        looks = ((move, place) for move in scene.program.moves for place in ways(move, rng))
+        for second, (move, place) in enumerate(looks):
+            follower.moved(vector(c + d for c, d in zip(place, off_path(move, rng), strict=True)), second)
         # It ends where it began.
         assert follower.at_the_end
 
@@ -139,7 +139,8 @@ def test_a_path_ends_where_it_ends_and_not_where_it_passes_over_that(lines, tmp_
     scene = replace(scene, program=replace(scene.program, moves=moves))
     follower = Follower(scene, cut(scene), SPEED, LAG)
     follower.permitted = len(follower.pieces)
-    looks = [move.at(Fraction(k, 40)) for move in moves for k in range(40)]
+    counts = [160 if move.curve else 40 for move in moves]
+    looks = [move.at(Fraction(k, n)) for move, n in zip(moves, counts, strict=True) for k in range(n)]
     for number, look in enumerate([*looks, moves[-1].end]):
         follower.moved(look, number / 1000)
         apart = max(abs(a - b) for a, b in zip(look, moves[-1].end, strict=True))
@@ -170,10 +171,10 @@ def test_a_board_that_finds_clear_what_was_near_is_not_believed(program):
     scene = scene_of(program, np.concatenate([FLOOR, POST]))
     follower = Follower(scene, cut(scene), SPEED, LAG)
     near = next(number for number, piece in enumerate(follower.pieces) if piece.near)
-    tool = iter(piece.start for piece in follower.pieces)
-    places = (scene.path.position(place) for place in tool)
+    clock = Clock(*[0.01] * 10_000)
+    tool = SimulatedTool(scene.program, SPEED, clock.now, lambda: follower.permitted > 0)
     with pytest.raises(DisagreementError, match="line 4: clear to the board, and near to the host"):
-        follow(follower, lambda *_: True, lambda: (next(places), 0.0), lambda: 0.0, 200)
+        follow(follower, clock.permit, tool.report, clock.now, 200)
     assert follower.permitted == near
 
 
@@ -203,6 +204,21 @@ def test_a_tool_that_is_off_its_path_is_stopped_at_once(program, rng):
                 follower.moved(vector(Fraction(float(c)) for c in place))
             stopped += 1
     assert stopped > 100
+
+
+def test_a_tool_that_comes_sooner_than_it_can_is_stopped(program):
+    """As one does whose positions are those of a place where it stands no more: holds rest on its speed."""
+    scene = scene_of(program)
+    follower = Follower(scene, cut(scene), SPEED, LAG)
+    follower.permitted = len(follower.pieces)
+    start, end = scene.program.moves[0].start, scene.program.moves[0].end
+    way = max(abs(a - b) for a, b in zip(start, end, strict=True))
+    assert follower.is_at_start(start) and not follower.is_at_start(end)
+    follower.moved(start, 1.0)
+    soonest = way / SPEED - LAG
+    with pytest.raises(StrayedError, match="faster than --speed; the machine is stopped"):
+        follower.moved(end, 1.0 + float(soonest) - 0.001)
+    follower.moved(end, 1.0 + float(soonest))
 
 
 @pytest.mark.parametrize(

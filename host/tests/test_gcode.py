@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 
 from triaxis.golden.errors import InputError
 from triaxis.golden.exact import Rational
-from triaxis.host.motion import rs274
+from triaxis.host.motion import gcode, rs274
 from triaxis.host.motion.curves import SLACK
 from triaxis.host.motion.machine import Machine
 from triaxis.host.motion.machine_file import read_machine
@@ -72,19 +72,46 @@ def test_moves_know_line_and_start(read):
 
 
 def test_what_was_assumed_is_said(read):
-    assert read("G21 G0 X1").notes == ()
-    assert read("G21\nG0 X1 Y2 Z3", None).notes == (
+    # All that a control may have in force when a program begins, but for what no move asks for.
+    said = "G21 G90 G54 G92.1 G49"
+    assert read("G21 G0 X1").notes == (
+        "line 1: no line up to it says otherwise: G90, G54, no G92, no length compensation assumed",
+    )
+    assert (
+        read("F9\n(G18) G2 X2 R1 ; G90")
+        .notes[-1]
+        .endswith("G90, G17, G54, no G92, no length compensation assumed")
+    )
+    assert read(f"{said} G17\nG61\nF9 G2 X2 R1").notes == () == read(f"{said}\nG0 X1").notes
+    assert read(f"{said}\nG0 X1 Y2 Z3", None).notes == (
         "line 2: the first move starts at X0 Y0 Z0, which is assumed: give --start",
     )
     assert read("G21 G0 X1", None).moves[0].start == ORIGIN
-    assert read("G0 X1").notes == ("line 1: no G20 or G21 before it: millimetres assumed",)
+    assert read("G0 X1").notes[0] == "line 1: no G20 or G21 before it: millimetres assumed"
     assert "taken to be the one given" in read("G21\nT3 M6\nG0 X1").notes[0]
     assert ends(read("/G0 X3\nG0 X1", skip_optional=True)) == [(1, 0, 0)]
     assert "lines that begin with / are left out" in read("/G0 X3\nG0 X1", skip_optional=True).notes
     assert "lines that begin with / are run" in read("/G0 X3\nG0 X1").notes
 
 
+def test_nothing_is_asked_of_what_a_refused_word_may_mean(read):
+    """Of no line is said what would make it a move, or take it away; what comes after is read."""
+    with pytest.raises(InputError) as error:
+        read("G21 F9\nG38.2 Z-10\nX5\nG68 X0 Y0 R9\nM98 P1\nM30\nO1\nG0 X9\nM99")
+    words = re.findall("word '([^']*)'", str(error.value))
+    assert words == ["G38.2", "G68", "M98", "O1"] and "after the end" in str(error.value)
+    assert not re.search("add one|remove", str(error.value))
+
+
+def test_a_long_program_without_loops_ends(read, monkeypatch):
+    monkeypatch.setattr(gcode, "_MOST_LINES", 10)
+    assert len(read("G21\n" + "X1\nX2\n".replace("X", "G0 X") * 20).moves) == 40
+    with pytest.raises(InputError, match="10 lines have run again, so the program does not end"):
+        read("G21\nO1 while [1 EQ 1]\nG0 X1\nO1 endwhile\n")
+
+
 REFUSED = [
+    ("G92.3\nG0 X1", 1, "G92.3", "what the control kept before the program"),
     ("G0 X1\nF9 G5.2 X5 P1 L3", 2, "F9", "has X and Y: give both"),
     ("F9 G5.2 X5 Y1 P1 L3", 1, "G5.2", "is not ended"),
     ("F9 G5.2 X5 Y1 P1 L3\nG0 X1", 2, "G0", "only control points"),
@@ -728,7 +755,16 @@ NOT_KNOWN_THERE = [
     ("#1=5221\nG0 X##1", "", "may be any parameter"), ("G0 X#100", "", "does not give it"),
     ("O1 if [#<_task> EQ 1]\nO1 endif", "", "does not give it"),
     ("o<below> call", "", "needs machine coordinates"),
-    ("G0 X1\nG64", "", "round corners"),
+    ("G0 X1\nG64", "", "round corners"), ("G92.3\nG0 X1\nG92 X2", "", "what the control kept before"),
+    # Set later, under a condition, in a subroutine that has arguments of its own, by an earlier program.
+    ("G0 X#100\n#100=2", "", "line 2: word '#100': has a value"),
+    ("O1 if [#<_absolute> EQ 0]\n#100=2\nO1 endif\nG0 X[#100]", "", "line 5: word '#100': has a value"),
+    ("O1 if [#100 EQ 1]\nG0 X1\nO1 endif\n#100=1", "", "line 2: word '#100': has a value"),
+    ("G0 X# 5", "", "line 2: word '#5': has a value"), ("G0 X1\n#<_p5>=1 #<a>=1\nX#5", "", "word '#5'"),
+    ("o<own> call [3]\nG0 X#1", "", "word '#1'"),
+    ("O1 if [EXISTS[#<_ours>]]\nG0 X1\nO1 endif\n#<_ours>=1", "", "word '#<_ours>'"),
+    ("G0 X#<_ours>\n#<_ours>=1", "", "line 2: word '#<_ours>'"), ("#5221=1\nG0 X#5221", MACHINE, "'#5221'"),
+    ("o<a> sub\nM98 P9\no<a> endsub\no<a> call [1]\nM2\nO9\nG0 X#1\nM99", "", "use #31 or more"),
 ]  # fmt: skip
 
 
@@ -738,10 +774,26 @@ def test_linuxcnc_is_not_asked_what_it_is_not_told(tmp_path, text, machine, why)
     program, file = tmp_path / "p.ngc", tmp_path / "machine.toml"
     program.write_text(f"G21\n{text}\n")
     (tmp_path / "below.ngc").write_text("o<below> sub\nG53 G0 X1\no<below> endsub\n")
+    (tmp_path / "own.ngc").write_text("o<own> sub\nG0 X#1\no<own> endsub\n")
     (tmp_path / "changing.ngc").write_text("o<changing> sub\nT1 M6 G43 H1\no<changing> endsub\n")
     file.write_text(machine)
     with pytest.raises(InputError, match=re.escape(why)):
         read_by_rs274(program, ORIGIN, False, read_machine(file) if machine else Machine())
+
+
+@pytest.mark.skipif(shutil.which("rs274") is None, reason="rs274 (linuxcnc-uspace) is not installed")
+def test_numbers_of_parameters_mean_the_same_by_names(tmp_path):
+    """Of the program, of a subroutine, of one in a file of its own; on a line that sets them, too."""
+    (tmp_path / "own.ngc").write_text("o<own> sub\n#40=[#40+1] (#77)\nG0 X#1 Y#2 Z#40\no<own> endsub\n")
+    program = tmp_path / "p.ngc"
+    program.write_text(
+        "G21 G90 G0 X0\n#1=5 #31=7 #<_p1>=9\n#31=8 X#31\nX[#31*2] (#77)\n# 4 0=3\no<own> call [#1]\n"
+        "X#1 Y#<_p1> ;#77\nO2 while [#40 LT 6]\n#40=[#40+1]\nX#40\nO2 endwhile\n"
+    )
+    ends = [tuple(map(float, move.end)) for move in read_by_rs274(program, ORIGIN, False, Machine()).moves]
+    assert ends == [
+        (0, 0, 0), (7, 0, 0), (16, 0, 0), (5, 0, 4), (5, 9, 4), (5, 9, 4), (6, 9, 4),
+    ]  # fmt: skip
 
 
 @pytest.mark.skipif(shutil.which("rs274") is None, reason="rs274 (linuxcnc-uspace) is not installed")
@@ -793,6 +845,10 @@ def test_arcs_of_turned_systems(tmp_path):
     called.write_text("o<turn> sub\nG10 L2 P1 X3 Y4 Z5 R30.00004\no<turn> endsub\n")
     program.write_text("G21 G61 F9\no<turn> call\nG43 H1 G0 X500 Y0 Z2\n")
     far = read_by_rs274(program, ORIGIN, False, read_machine(file)).moves[-1]
+    # Its centre is 90 m away: that of a short arc says nothing of where the tool is.
+    program.write_text("G21 G61 F9\nG10 L2 P1 R30\nG43 H1 G0 X0 Y0 Z2\nG2 X10 R90000\nX10.35 R4.8\n")
+    long, short = read_by_rs274(program, ORIGIN, False, read_machine(file)).moves[-2:]
+    assert max(short.slack, long.slack) < Fraction(1, 100) and short.length < 0.4
     angle = math.radians(30.00004)
     assert abs(float(far.end[1]) - (500 * math.sin(angle) + 4 - zero_of(file)[1])) <= float(far.slack)
     zero = np.array([3.0, 4.0, 5.0]) - zero_of(file)
@@ -837,7 +893,7 @@ def test_without_linuxcnc_its_reader_is_refused(tmp_path, monkeypatch):
 
 def test_compensation_of_a_tool_of_unknown_length(read):
     program = read("G21 G43 H1\nG0 X1")
-    assert program.notes == ("line 1: G43 is taken for the tool's true length",)
+    assert program.notes[0] == "line 1: G43 is taken for the tool's true length"
     with pytest.raises(InputError, match=r"line 3: .*whose lengths are not known"):
         read("G0 Z1\nG43 H1\nG0 X1")
 

@@ -105,7 +105,9 @@ def test_tools_are_followed_one_after_the_other(top, tmp_path, capsys, monkeypat
             ([*first, *away, *second[:2], "18 0 60 2"], 2, "where it is not permitted to be"),
             # Off the path, at its start, by as much as it may be, and by more.
             (["-0.01 0 40 1", *first[1:], *away[:3]], 1, "ENDED"),
-            (["-0.02 0 40 1"], 2, "where it is not permitted to be"),
+            (["-0.02 0 40 1"], 2, "the program begins at X0.0000 Y0.0000 Z40.0000: bring it there"),
+            # A machine that stands where the last cycle ended has not gone through this one.
+            (["10 0 40 1"], 2, "the tool is at X10.0000 Y0.0000 Z40.0000, and the program begins"),
         ):
             found, said = run(lines)
             assert found == status and what in said.out + said.err, (lines, said)
@@ -481,13 +483,12 @@ def test_the_command_follows_positions_and_says_how_far(top, tmp_path, capsys, m
         assert (status, said.err) == (0, "") and "within 12 mm, or nearly: " in said.out
         told = [one["zone"] for one in shown[1:] if "zone" in one]
         assert told == ["free", "warn", "slow", None], told
-        assert [line.split()[1] for line in said.out.splitlines() if line.startswith("zone: ")] == [
-            "free,",
-            "warn,",
-            "slow,",
-            "unknown",
-        ]
+        changes = [line.split() for line in said.out.splitlines() if line.startswith("zone: ")]
+        assert [words[1] for words in changes] == ["free,", "warn,", "slow,", "unknown"]
         slow, warn = read_published(report, "watch")["zones"]
+        # Where each begins, and not what is asked about when it may be reached.
+        began = [int(words[3]) for words in changes[:-1]]
+        assert began[1:] == [warn["lines"][0], slow["lines"][0]] and began[0] < warn["lines"][0]
         assert 0 < slow["pieces"] < warn["pieces"] and {4, 5, 10} <= set(slow["lines"]) <= set(warn["lines"])
         positions.write_text("0 0 40\n0 0\n")
         shown.clear()
