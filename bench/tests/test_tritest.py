@@ -4,6 +4,7 @@ import gzip
 import hashlib
 import io
 import json
+import os
 import subprocess
 import sys
 from pathlib import Path
@@ -132,6 +133,10 @@ def test_a_set_that_was_changed_is_noticed(made, tmp_path, capsys):
         assert main(["tritest", "recheck", str(tmp_path)]) == 2
         assert why in capsys.readouterr().err
     assert main(["tritest", "recheck", str(tmp_path / "none")]) == 2
+    # What nobody writes to would be waited for for ever.
+    manifest.unlink()
+    os.mkfifo(manifest)
+    assert main(["tritest", "recheck", str(tmp_path)]) == 2
 
 
 def test_scores_of_programs(made, asked, capsys, tmp_path):

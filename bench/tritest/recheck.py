@@ -115,9 +115,16 @@ class Family:
         return f"{self.name}.txt.gz"
 
 
+def _refuse_pipe(path: Path) -> None:
+    """Raise SetError where a file is there and would be waited for, or has no end."""
+    if path.exists() and not path.is_file():
+        raise SetError(f"{path}: is a folder, pipe, socket or device: an ordinary file is needed")
+
+
 def families_of(folder: Path) -> list[Family]:
     """Read set.json; raise SetError where it is absent or not of this format."""
     path = folder / "set.json"
+    _refuse_pipe(path)
     try:
         content = json.loads(path.read_text(encoding="utf-8"))
         if content["format"] is True or content["format"] != FORMAT:
@@ -139,6 +146,7 @@ def families_of(folder: Path) -> list[Family]:
 def lines_of(folder: Path, family: Family) -> Iterator[tuple[int, str]]:
     """Yield the family's pairs, with the number of each, from 1 on; raise SetError where the file differs."""
     path = folder / family.file
+    _refuse_pipe(path)
     number = 0
     try:
         if hashlib.sha256(path.read_bytes()).hexdigest() != family.sha256:

@@ -327,10 +327,13 @@ def remove_older_answers(name: str, words: list[str]) -> None:
     answers = COMMANDS[name].answers
     named, others = _named(answers, words)
     wrong: list[InputError] = []
-    for option, value in named.items():
-        also = [file for other, file in named.items() if other != option]
+    for number, (option, value) in enumerate(named):
+        also = [file for _, file in (*named[:number], *named[number + 1 :])]
         try:
             _remove_older(option, value, answers[option], others, also)
+            # Of several the last alone would get an answer.
+            if option in (before for before, _ in named[:number]):
+                raise InputError(f"{option}: given twice: give it once")
         # The others have to go all the same.
         except InputError as error:
             wrong.append(error)
@@ -360,7 +363,7 @@ def withdraw_yes(words: list[str]) -> None:
     try:
         name, rest = find(words)
         answers = COMMANDS[name].answers
-        for option, value in _named(answers, rest)[0].items():
+        for option, value in _named(answers, rest)[0]:
             before, path = answers[option].before, Path(value)
             if before is None or not path.is_file():
                 continue
@@ -371,9 +374,9 @@ def withdraw_yes(words: list[str]) -> None:
         return
 
 
-def _named(answers: Mapping[str, Answer], words: list[str]) -> tuple[dict[str, str], list[str]]:
-    """Return the files that are named for answers, by their options, and what may be inputs."""
-    named: dict[str, str] = {}
+def _named(answers: Mapping[str, Answer], words: list[str]) -> tuple[list[tuple[str, str]], list[str]]:
+    """Return the files that are named for answers, each with its option, and what may be inputs."""
+    named: list[tuple[str, str]] = []
     others: list[str] = []
     rest = iter(words)
     for word in rest:
@@ -384,7 +387,7 @@ def _named(answers: Mapping[str, Answer], words: list[str]) -> tuple[dict[str, s
             value = value if equals else next(rest, "-")
             # No value, but the next option: an error, of which the parser tells.
             if equals or not value.startswith("-") or _NEGATIVE.fullmatch(value):
-                named[option] = value
+                named.append((option, value))
         else:
             others.append(value if equals and word.startswith("--") else word)
     return named, others

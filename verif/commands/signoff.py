@@ -16,7 +16,7 @@ from triaxis.sim.toolchain import verilator
 from triaxis.verif.core.detector_check import SEED_VECTORS
 from triaxis.verif.mutation.result import EVIDENCE as MUTATION
 from triaxis.verif.results.database import keep
-from triaxis.verif.signoff.plan import RESULT, VOLUME
+from triaxis.verif.signoff.plan import PAGE, RESULT, VOLUME
 from triaxis.verif.signoff.result import Signoff
 from triaxis.verif.signoff.run import signoff, step_count
 
@@ -53,6 +53,9 @@ def run(options: argparse.Namespace) -> int:
     # Matplotlib loads where a page is to come; if it does not, that is told before anything runs.
     from triaxis.verif.signoff.page import write
 
+    # No older answer outlives a sign-off that is refused, or ends early.
+    RESULT.unlink(missing_ok=True)
+    PAGE.unlink(missing_ok=True)
     if options.pairs < 1000:
         raise InputError(f"pairs {options.pairs}: must be at least 1000")
     print(f"sign-off with Verilator {verilator()}, seed {options.seed}", flush=True)

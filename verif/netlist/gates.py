@@ -10,6 +10,7 @@ from pathlib import Path
 
 from triaxis.fpga.resources import synthesise
 from triaxis.golden.errors import InputError
+from triaxis.golden.input_file import read_input
 from triaxis.sim.build import built, content_hash
 from triaxis.sim.paths import BUILD, board_sources, mesh_sources, rtl_sources
 from triaxis.sim.programs import yosys_version
@@ -123,9 +124,11 @@ def synthesised(build: Build) -> Path:
 
 def models_of(netlist: Path, models: Path) -> list[Path]:
     """Return the files with models of a netlist's cells: one file, or of a folder those that it names."""
-    if models.is_file():
+    text = read_input(netlist).decode(errors="replace")
+    if models.exists() and not models.is_dir():
+        read_input(models)
         return [models]
-    named = set(re.findall(r"\b[A-Z]\w+", netlist.read_text(encoding="utf-8")))
+    named = set(re.findall(r"\b[A-Z]\w+", text))
     found = sorted(path for path in models.glob("*.v") if path.stem in named)
     if not found:
         raise InputError(

@@ -17,6 +17,7 @@ from pathlib import Path
 from typing import Any
 
 from triaxis.golden.errors import InputError
+from triaxis.golden.input_file import read_input
 from triaxis.golden.outputs import make_folder, write_whole
 from triaxis.sim.evidence import read_evidence
 from triaxis.sim.paths import BUILD
@@ -103,7 +104,8 @@ def add_evidence(file: Path, path: Path = DATABASE) -> bool:
 
     Raises InputError where it is none of these, or not whole.
     """
-    content = read_evidence(file)
+    # No pipe, which may have nothing to say for ever.
+    content = read_evidence(file) if file.exists() and read_input(file) else None
     if content is None:
         raise InputError(
             f"{file}: no such file: name results.json, signoff.json, mutation.json or power.json of a run"

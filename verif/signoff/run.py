@@ -26,7 +26,7 @@ from triaxis.verif.signoff.parts import (
     proofs_part,
     results_beside,
 )
-from triaxis.verif.signoff.plan import PAGE, RESULT, VOLUME
+from triaxis.verif.signoff.plan import VOLUME
 from triaxis.verif.signoff.result import Signoff
 from triaxis.verif.signoff.testplan import testplan_part
 
@@ -49,9 +49,6 @@ def signoff(seed: int, progress: Callable[[int], None], volume: int = VOLUME, wh
     ``whole``: four states and the netlist too, first; then nothing may be absent, nor taken from a record.
     """
     start, timeline = time.monotonic(), Timeline()
-    # An old result must not outlive a run that ends early.
-    RESULT.unlink(missing_ok=True)
-    PAGE.unlink(missing_ok=True)
     before = provenance(SOURCES)
     parts: dict[str, Part] = {}
     coverage: list[ModelReport] = []

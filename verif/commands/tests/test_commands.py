@@ -1,17 +1,20 @@
 """Commands of the environment as their users meet them: results, exit codes, one-line errors."""
 
 import os
+from pathlib import Path
 
 import pytest
 
 from triaxis.golden.errors import InputError
 from triaxis.host.cli import main
 from triaxis.sim.configuration import Configuration
-from triaxis.verif.commands import prove
+from triaxis.verif.commands import prove, signoff
 from triaxis.verif.core.failing_pairs import read_failing
 from triaxis.verif.core.kept_cases import read_case
+from triaxis.verif.netlist.gates import models_of
 from triaxis.verif.netlist.result import GateRun
 from triaxis.verif.regress.definition import read_definition
+from triaxis.verif.results.database import add_evidence
 from triaxis.verif.signoff.gate import refusals
 from triaxis.verif.testbench import simulation
 
@@ -20,6 +23,9 @@ READERS = {
     "definition of regressions": read_definition,
     "regression case": read_case,
     "sign-off": lambda path: refusals(path, "", ""),
+    "results of other machines": lambda path: add_evidence(path, path.parent / "results.sqlite"),
+    "netlist": lambda path: models_of(path, path.parent),
+    "models of cells": lambda path: models_of(Path(__file__), path),
 }
 
 
@@ -28,6 +34,14 @@ def test_only_ordinary_files_are_read(tmp_path, reader):
     os.mkfifo(tmp_path / "pipe")
     with pytest.raises(InputError, match=rf"^{tmp_path}/pipe: is a pipe[^\n]*: name an ordinary file$"):
         READERS[reader](tmp_path / "pipe")
+
+
+def test_no_older_signoff_outlives_one_that_is_refused(tmp_path, monkeypatch, capsys):
+    for name in ("RESULT", "PAGE"):
+        monkeypatch.setattr(signoff, name, tmp_path / name)
+        (tmp_path / name).write_text("passed")
+    assert main(["signoff", "--pairs", "5"]) == 2
+    assert "must be at least 1000" in capsys.readouterr().err and not list(tmp_path.iterdir())
 
 
 @pytest.mark.parametrize(
