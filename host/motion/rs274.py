@@ -564,6 +564,8 @@ def _with_names(texts: Mapping[Path, Sequence[str]]) -> dict[Path, list[str]]:
 
     Raises InputError where it is not known whose arguments numbers are.
     """
+    if not any("#" in line for text in texts.values() for line in text):
+        return {file: list(text) for file, text in texts.items()}
     bare = {file: list(map(_bare, text)) for file, text in texts.items()}
     every = [line for text in bare.values() for line in text]
     prefix = "_p"
