@@ -35,7 +35,7 @@ from triaxis.host.cli.terminal import progress_bar
 from triaxis.host.engines import Progress, SceneEngine, scene_engine
 from triaxis.host.link.board import Board
 from triaxis.host.link.board_engine import BoardEngine
-from triaxis.host.motion.clearance import clearances, places
+from triaxis.host.motion.clearance import clearances, euclidean_at, places
 from triaxis.host.motion.contact import NOT_TRACKED, Rule, Setup, rules_of
 from triaxis.host.motion.machine import Tool
 from triaxis.host.motion.moves import Program
@@ -222,7 +222,10 @@ def _profile(
     with progress_bar("places", sum(known[place.move] for place in chosen)) as progress:
         wanted = first.scene.wanted
         found = clearances(program, rules, wanted, bulk_engine, chosen, effort, not asked, progress)
-    return Profile(found, len(chosen), effort)
+    profile = Profile(found, len(chosen), effort)
+    if wanted.euclidean and found:
+        return replace(profile, euclidean=euclidean_at(profile.least, program, rules, wanted))
+    return profile
 
 
 def _zones(program: Program, checked: list[RuleCheck], widths: list[Fraction]) -> list[dict[str, Any]]:

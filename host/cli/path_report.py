@@ -2,6 +2,7 @@
 
 import argparse
 from dataclasses import dataclass, replace
+from fractions import Fraction
 from typing import Any
 
 from triaxis.host.cli.check import print_without_near_facets
@@ -17,11 +18,20 @@ from triaxis.host.report import counts_entry, enclosure_entry, grid_entry, milli
 
 @dataclass(frozen=True)
 class Profile:
-    """Bounds of the clearance at places of the path, how many were looked at, and what that took."""
+    """Bounds of the clearance at places of the path, how many were looked at, and what that took.
+
+    ``euclidean``: the Euclidean distance where the clearance is least, in millimetres, where it is asked for.
+    """
 
     bounds: list[Clearance]
     places: int
     effort: Effort
+    euclidean: Fraction | None = None
+
+    @property
+    def least(self) -> Clearance:
+        """Return where the clearance was seen to be least."""
+        return min(self.bounds, key=lambda one: one.seen)
 
 
 def path_report(
@@ -63,6 +73,7 @@ def path_report(
         "effort": _effort_entry(result.effort),
         "profile": profile.bounds,
         "profile_effort": _effort_entry(profile.effort),
+        "least_euclidean": profile.euclidean,
     }
 
 
@@ -147,12 +158,13 @@ def print_effort(result: PathResult) -> None:
 
 def print_nearest(profile: Profile) -> None:
     """Print the least clearance of all places; nothing is said of what is between them."""
-    least = min(profile.bounds, key=lambda one: one.seen)
+    least = profile.least
     proven = min(one.proven for one in profile.bounds)
     place = place_words(least.position, least.angles)
     print(
         f"clearance at {profile.places} places: least in line {least.line} at {place}: {least.what} and "
         f"{least.of}, {proven:.4g} to {least.seen:.4g} mm (Chebyshev)"
+        + (f", there {float(profile.euclidean):.4g} mm (Euclid)" if profile.euclidean is not None else "")
     )
 
 

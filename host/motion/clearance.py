@@ -16,11 +16,13 @@ import numpy.typing as npt
 
 from triaxis.golden.exact import Rational
 from triaxis.host.engines import Progress, SceneEngine, Translation, unwatched
+from triaxis.host.least import least_distance
 from triaxis.host.motion.contact import Rule
 from triaxis.host.motion.moves import Move, Program
 from triaxis.host.motion.path_check import Effort
 from triaxis.host.motion.path_scene import PathScene, Wanted, nearest
 from triaxis.host.quantise import Vector, vector
+from triaxis.host.scene import Pose, prepare
 
 # The bounds are left this far apart: in steps of the grid, and as a part of the clearance.
 _STEPS, _PART = 4, 32
@@ -115,6 +117,25 @@ def clearances(
             )
         )
     return sorted(found, key=lambda one: (one.move, one.along))
+
+
+def euclidean_at(least: Clearance, program: Program, rules: Sequence[Rule], wanted: Wanted) -> Fraction:
+    """Return the Euclidean distance, in millimetres, of the two that a clearance was seen between, there.
+
+    It is exact, of turned meshes of what turning makes of them.
+    """
+    names, turns = (least.what, least.of), (least.angles, least.angles)
+    rule = next(rule for rule in rules if rule.names == names and least.move in rule.numbers)
+    move = replace(
+        program.moves[least.move], start=least.position, end=least.position, curve=None, straight=True,
+        turns=turns,
+    )  # fmt: skip
+    piece = next(rule.standing((move,)))
+    scene = rule.scene(piece, wanted)
+    pose = Pose(move=scene.in_files(piece.moves[0].start))
+    clearance = wanted.clearance / wanted.scale
+    meshes = prepare(scene.tool, scene.work, rule.files, scene.grid.resolution, clearance, None, pose)
+    return Fraction(least_distance(meshes, True).distance) * wanted.scale
 
 
 def _standing(move: Move, part: Fraction) -> Move:

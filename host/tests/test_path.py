@@ -407,8 +407,12 @@ def test_a_corner_is_not_near_by_euclid(path, tmp_path):
     scenes.write_stl(tool, scenes.box((0, 0, 0), (1, 1, 1)))
     scenes.write_stl(work, scenes.box((-9, -9, -9), (-0.4, -0.4, 20)))
     start, program, meshes = ("--start", 0, 0, 30), "G21 G0 Z-5\nG1 F9 Z5", (tool, work)
-    assert path(program, *start, meshes=meshes)[0] == 1
+    status, said, found = path(program, *start, "--profile", 9, meshes=meshes)
+    assert status == 1 and found["least_euclidean"] is None and "(Euclid)" not in said
     status, said, found = path(program, *start, "--distance", "euclidean", meshes=meshes)
+    assert (
+        found["least_euclidean"] == pytest.approx(0.4 * math.sqrt(2)) and "there 0.5657 mm (Euclid)" in said
+    )
     assert (status, found["distance"], found["verdict"]) == (0, "euclidean", "clear") and "CLEAR" in said
     closer = f"{program}\nX-0.1"
     status, said, found = path(closer, *start, "--distance", "euclidean", meshes=meshes)
