@@ -7,7 +7,6 @@ margin for rounding, no arcs, no rapids.
 """
 
 import argparse
-import time
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from fractions import Fraction
@@ -17,7 +16,7 @@ from typing import Any
 import numpy as np
 from rich.table import Table
 
-from triaxis.bench.harness import FOLDER, Findings, Progress, report
+from triaxis.bench.harness import FOLDER, Findings, Progress, clocked, report
 from triaxis.bench.paths.continuous import peers
 from triaxis.bench.peers.peer import Peer, Presence, Reals, present
 from triaxis.host.cli.terminal import progress_bar
@@ -143,14 +142,9 @@ def measured(folder: Path, moves: int, squares: int, count: int, progress: Progr
         return prepare_path(tool, work, ("tool", "relief"), program, wanted)
 
     path.write_text(program_text(moves))
-    times = [time.process_time()]
-    program = read_program(path, start)
-    times.append(time.process_time())
-    scene = scene_of(program)
-    times.append(time.process_time())
-    result = check_path(scene, bulk_engine(scene))
-    times.append(time.process_time())
-    read, prepare, check = np.diff(times).tolist()
+    program, read = clocked(lambda: read_program(path, start))
+    scene, prepare = clocked(lambda: scene_of(program))
+    result, check = clocked(lambda: check_path(scene, bulk_engine(scene)))
     progress(1)
     missed, rng = 0, np.random.default_rng(1)
     collisions = [*planted(count - count // 2, rng), *planted(count // 2, rng, grazing=True)]
@@ -183,12 +177,9 @@ def asked_moves(count: int) -> tuple[Reals, list[bool]]:
 def asked(peer: Peer, truth: Sequence[bool], squares: int) -> PeerFigures:
     """Ask a package about moves of which it is known whether they collide."""
     question = peer.load(ball_nosed(squares).astype(np.float64), relief(squares).astype(np.float64))
-    start = time.process_time()
-    found, wanted = question.ask(), np.array(truth)
-    seconds = (time.process_time() - start) / len(wanted)
-    return PeerFigures(
-        peer.name, len(wanted), int((wanted & ~found).sum()), int((~wanted & found).sum()), seconds
-    )
+    (found, seconds), wanted = clocked(question.ask), np.array(truth)
+    missed, alarms = int((wanted & ~found).sum()), int((~wanted & found).sum())
+    return PeerFigures(peer.name, len(wanted), missed, alarms, seconds / len(wanted))
 
 
 def findings(ours: Figures, theirs: Sequence[PeerFigures], presence: Sequence[Presence]) -> Findings:
