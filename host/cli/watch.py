@@ -388,7 +388,7 @@ def _come_to_start(
     while not positions.wait(_ALIVE_SECONDS):
         board.status()
     while True:
-        here = positions.report()
+        here = positions.report() if waits or isinstance(positions, HalPositions) else positions.look()
         if here is None:
             return False
         _check_told(positions, several)

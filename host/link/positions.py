@@ -104,6 +104,15 @@ class Positions:
 
         Raises InputError where any line is none.
         """
+        # Nothing may come between: the last of all would be lost.
+        with self._changed:
+            last = self.look()
+            if self._ended:
+                self._last = None
+        return last
+
+    def look(self) -> Report:
+        """Return what `report` will, which may be later by then."""
         self.wait(threading.TIMEOUT_MAX)
         with self._changed:
             if self._wrong is not None:
@@ -111,8 +120,6 @@ class Positions:
             if self._last is None:
                 return None
             last, self.tool, self.angles = self._last
-            if self._ended:
-                self._last = None
             return last
 
 

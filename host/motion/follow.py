@@ -300,7 +300,7 @@ class Follower:
 
     def is_at_start(self, position: Vector) -> bool:
         """Return whether a position, in millimetres, is where the first move begins."""
-        return _apart(self.scene.place(position), self.pieces[0].start) <= self._slack + 1
+        return _apart(self.scene.place(position), self.pieces[0].start) <= self._slack
 
     @property
     def at_the_end(self) -> bool:

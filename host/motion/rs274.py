@@ -389,7 +389,7 @@ def read_by_rs274(
         _NUMBER.sub(rf"\g<1>N{count} ", line, count=1) if line.strip() else line
         for count, parts in enumerate(given, 1)
         # What another file holds has no numbers: a comment that is printed tells that it is called.
-        for line in (*(["(MSG,)"] if _CALLED.search(_bare(parts[0])) else []), *parts)
+        for line in (*(["(MSG,)"] if _CALLED.search(_bare(parts[0])) else []), *_read_before(parts), *parts)
     ]
     body = [line for line in numbered if _PERCENT.fullmatch(line) is None]
     program = ["%", *first, *body, "N0 M2", "%", ""]
@@ -398,7 +398,8 @@ def read_by_rs274(
         (folder / "called").mkdir()
         (folder / "program.ngc").write_text("\n".join(program))
         for file, text in named.items():
-            bare = [_NUMBER.sub(r"\g<1>", line, count=1) for line in text]
+            bare = [part for line in text for part in (*_read_before([line]), line)]
+            bare = [_NUMBER.sub(r"\g<1>", line, count=1) for line in bare]
             (folder / "called" / file.name).write_text("\n".join(bare))
         done = _interpret(folder, machine, skip_optional, Path("program.ngc"), Path("called"), _LONGEST)
         if done in _ENDLESS:
@@ -480,6 +481,7 @@ _CHANGES, _COMPENSATES = (re.compile(rf"{word}{_END}|{_ANY_WORD}") for word in (
 _LOADING = re.compile(rf"m0*61{_END}")
 _RESTORING, _SHIFTING = re.compile(r"g0*92\.30*(?!\d)"), re.compile(rf"g0*(92(\.10*)?|52){_END}")
 _TURNS = re.compile(rf"g0*10{_END}|{_ANY_WORD}")
+_READ_NAME = re.compile(r"#<[^>]*>(?!=)")
 _READ, _SET_NAME = re.compile(r"#(\d+|<[^>]*>)(?!\d*=)"), re.compile(r"#(<[^>]*>)=")
 # From which number on parameters are the control's; in a line without blanks, and in any line.
 _CONTROLS, _NUMBERED = 5000, re.compile(r"#((?:\s*\d)+)", re.ASCII)
@@ -602,6 +604,18 @@ def _with_name(line: str, prefix: str, within: bool) -> str:
         parts += [_NUMBERED.sub(name, _EXISTS.sub(r"[1+0*\1]", code)), comment[0] if comment else ""]
         at = comment.end() if comment else len(line)
     return "".join(parts)
+
+
+def _read_before(lines: Sequence[str]) -> list[str]:
+    """Return a line that reads what others, given for one, both set and read, where there is any.
+
+    On its own line a name that is set has a value already: 0. The number in it is no parameter's any more.
+    """
+    bare = "".join(map(_bare, lines)) if any("=" in line for line in lines) else ""
+    names = {f"#{name}" for name in _SET_NAME.findall(bare)} & set(_READ_NAME.findall(bare))
+    if not names:
+        return []
+    return [f"{'/' * bare.startswith('/')}#{_CONTROLS - 1}=[0*[{'+'.join(sorted(names))}]]"]
 
 
 def _split(line: str) -> list[str]:

@@ -762,6 +762,10 @@ NOT_KNOWN_THERE = [
     ("O1 if [#100 EQ 1]\nG0 X1\nO1 endif\n#100=1", "", "line 2: word '#100': has a value"),
     ("G0 X# 5", "", "line 2: word '#5': has a value"), ("G0 X1\n#<_p5>=1 #<a>=1\nX#5", "", "word '#5'"),
     ("o<own> call [3]\nG0 X#1", "", "word '#1'"),
+    # To itself, on the line that sets it.
+    ("G0 X1\n# 40=[#40+1]\nX#40", "", "line 3: word '#40'"),
+    ("#<_ours>=1 G0 X#<_ours>", "", "line 2: word '#<_ours>'"),
+    ("/#40=2\n#41=#40 #40=3\n#40=4 #42=#42\nG0 X1", "", "line 4: word '#42'"),
     ("O1 if [EXISTS[#<_ours>]]\nG0 X1\nO1 endif\n#<_ours>=1", "", "word '#<_ours>'"),
     ("G0 X#<_ours>\n#<_ours>=1", "", "line 2: word '#<_ours>'"), ("#5221=1\nG0 X#5221", MACHINE, "'#5221'"),
     ("o<a> sub\nM98 P9\no<a> endsub\no<a> call [1]\nM2\nO9\nG0 X#1\nM99", "", "use #31 or more"),

@@ -5,7 +5,7 @@ import re
 import threading
 import time
 from functools import partial
-from itertools import count
+from itertools import chain, count
 from types import SimpleNamespace
 from typing import Any
 from xml.etree import ElementTree
@@ -395,9 +395,17 @@ class Steps(watch_module.Positions):
         """There is one, or none will come."""
         return True
 
+    def look(self):
+        """Return the next, and once more."""
+        line = next(self._steps, None)
+        self._steps = chain([line] * (line is not None), self._steps)
+        return self._of(line)
+
     def report(self):
         """Return the next."""
-        line = next(self._steps, None)
+        return self._of(next(self._steps, None))
+
+    def _of(self, line):
         if line is None:
             return None
         position, self.tool, self.angles = positions.read_position(line)
