@@ -487,7 +487,7 @@ _READ, _SET_NAME = re.compile(r"#(\d+|<[^>]*>)(?!\d*=)"), re.compile(r"#(<[^>]*>
 _CONTROLS, _NUMBERED = 5000, re.compile(r"#((?:\s*\d)+)", re.ASCII)
 # Whether a name exists that all programs share hangs on those before; where it has a value it does.
 _EXISTS = re.compile(r"exists\s*\[\s*(#\s*<\s*_[^>]*>)\s*\]", re.IGNORECASE)
-_BOUNDS, _FANUC = re.compile(r"o(?:<[^>]*>|\d+)(sub|endsub)"), re.compile(rf"m0*98{_END}")
+_BOUNDS, _FANUC = re.compile(r"o(?:<[^>]*>|\d+)(sub|endsub)"), re.compile(rf"m(0*98{_END}|[\[#])")
 _WHOSE = "an argument, in a program with M98 and O sub: of which call is not known: use #31 or more"
 # What the interpreter says of a name without a value: the name, its number where it stands for one, the line.
 _UNSET = re.compile(r"Named parameter #(<(?:_p+(\d+))?[^>]*>) not defined\s*(?:N(\d+) )?")
