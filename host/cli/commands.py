@@ -328,7 +328,7 @@ def remove_older_answers(name: str, words: list[str]) -> None:
     named, others = _named(answers, words)
     wrong: list[InputError] = []
     for number, (option, value) in enumerate(named):
-        also = [file for _, file in (*named[:number], *named[number + 1 :])]
+        also = [file for other, file in named if other != option]
         try:
             _remove_older(option, value, answers[option], others, also)
             # Of several the last alone would get an answer.

@@ -387,6 +387,7 @@ def _come_to_start(
     """
     while not positions.wait(_ALIVE_SECONDS):
         board.status()
+    told = False
     while True:
         here = positions.report() if waits or isinstance(positions, HalPositions) else positions.look()
         if here is None:
@@ -395,11 +396,12 @@ def _come_to_start(
         ready = positions.tool in (None, one.tool.number) and one.stands(_angles(positions, one))
         if (ready or not waits) and follower.is_at_start(here[0]):
             return True
+        where, start = (place_words(place, NOWHERE) for place in (here[0], one.scene.program.moves[0].start))
         if not waits:
-            where, start = (
-                place_words(place, NOWHERE) for place in (here[0], one.scene.program.moves[0].start)
-            )
             raise StrayedError(f"the tool is at {where}, and the program begins at {start}: bring it there")
+        if ready and not told:
+            print(f"waiting: the tool is at {where}, not at {start}", flush=True)
+            told = True
         board.status()
 
 

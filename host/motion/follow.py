@@ -42,6 +42,8 @@ ZONES = ("slow", "warn")
 _HALVINGS = 8
 # Milliseconds that a hold can have; what is asked for where the tool cannot leave the program any more.
 LONGEST = 65_535
+# Over so many lags a tool is seen to be no faster than was said.
+_LAGS = 10
 # For so long at least a tool is seen to stand at the end of a part: one that feeds slowly is not there yet.
 _STANDS_SECONDS = 0.1
 # Of a curve, places that it goes to besides its end.
@@ -288,6 +290,8 @@ class Follower:
         self._move, self._part = 0, Rational(0)
         # When it was looked at last, the longest time between two looks, and since when it has stood where.
         self._looked: float | None = None
+        # When it was where, of the last lags.
+        self._looks = list[tuple[float, GridPoint]]()
         self._longest_look = 0.0
         self._stood, self._stood_since = self._place, 0.0
         # What comes after the last piece was seen to have begun.
@@ -299,8 +303,8 @@ class Follower:
         return self._place
 
     def is_at_start(self, position: Vector) -> bool:
-        """Return whether a position, in millimetres, is where the first move begins."""
-        return _apart(self.scene.place(position), self.pieces[0].start) <= self._slack
+        """Return whether a position, in millimetres, is where the path begins, but for the way it brakes."""
+        return _apart(self.scene.place(position), self.pieces[0].start) <= self._slack + self._braking
 
     @property
     def at_the_end(self) -> bool:
@@ -353,15 +357,18 @@ class Follower:
                 f"{self.scene.program.path}; the machine is stopped: check the origin, and "
                 "--deviation, or begin anew"
             )
-        if self._looked is not None:
-            seconds = Rational(max(since - self._looked, 0.0)) + Rational(self.lag)
-            way = _apart(place, self._place)
-            if way > self._steps_a_second * seconds + 1:
+        recent = [one for one in self._looks if since - one[0] <= _LAGS * float(self.lag)]
+        self._looks = recent or self._looks[-1:]
+        for earlier, there in self._looks:
+            seconds = Rational(max(since - earlier, 0.0)) + Rational(self.lag)
+            way = _apart(place, there)
+            if way > self._steps_a_second * seconds + 2 * self._slack + 1:
                 fast = float(way * self.scene.wanted.resolution)
                 raise StrayedError(
                     f"the tool went {fast:.4g} mm in {float(seconds):.3g} s at most: faster than --speed; "
                     "the machine is stopped: check --speed, --lag, and where positions come from"
                 )
+        self._looks.append((since, place))
         self._first, self._last, self._place = held[0], held[-1], place
         if self._looked is not None:
             self._longest_look = max(self._longest_look, since - self._looked)
@@ -550,8 +557,8 @@ Ahead = Callable[[int, int, float], None]
 Report = tuple[Vector, float] | None
 # So many times the hold that is aimed at is permitted ahead.
 _AHEAD = 2
-# A simulated tool takes so many straight steps along a curve, and stands at as many places of each.
-_PARTS = 1024
+# A simulated tool takes so many straight steps along a curve, and stands at so many places of a move.
+_PARTS, _PLACES = 1024, 1 << 30
 
 
 def follow(
@@ -589,7 +596,12 @@ def follow(
             done.permitted = follower.permitted
             return done
         position, since = here
-        follower.moved(position, since)
+        try:
+            follower.moved(position, since)
+        except StrayedError:
+            # Of a position that is too old nothing else is to be said.
+            check_lag(since, now())
+            raise
         if follower.is_done:
             done.permitted = follower.permitted
             return done
@@ -658,11 +670,9 @@ class SimulatedTool:
             here, step = move.at(self._part), min(1 - self._part, Fraction(1, _PARTS if move.curve else 1))
             way = float(max(abs(b - a) for a, b in zip(here, move.at(self._part + step), strict=True)))
             if self._left < way:
-                steps = int(_PARTS * self._left / way)
-                self._part, self._left = (
-                    self._part + step * Fraction(steps, _PARTS),
-                    self._left - way * steps / _PARTS,
-                )
+                part = Fraction(int((self._part + step * Fraction(self._left / way)) * _PLACES), _PLACES)
+                self._left -= way * float((part - self._part) / step)
+                self._part = part
                 return move.at(self._part), now
             self._left -= way
             self._part += step

@@ -17,10 +17,11 @@ from triaxis.host.stl import Facets
 _STATE = {
     assumed: re.compile(rf"[Gg]\s*0*(?:{codes})(?!\.?\d)")
     for assumed, codes in (
-        ("G90", "9[01]"), ("G17", "1[789]"), ("G54", r"5[4-9]|59\.[123]"), ("no G92", r"92(?:\.[12])?|52"),
-        ("no length compensation", r"43(?:\.[12])?|49"),
+        ("G90", "9[01]"), ("G17", "1[789]"), ("G54", r"5[4-9]|59\.[123]"), ("no G92", r"92\.[12]"),
+        ("no length compensation", r"43(?:\.1)?|49"),
     )
 }  # fmt: skip
+_CALL = re.compile(r"^\s*(?:N\s*\d+\s*)?O.*CALL", re.IGNORECASE | re.ASCII)
 _COMMENT = re.compile(r"\([^)]*\)|;.*")
 # Chords that a curve is drawn with.
 _DRAWN = 32
@@ -109,7 +110,10 @@ def assumed_state(lines: Sequence[str], moves: Sequence[Move]) -> str:
 
     An aborted program may leave G91, another system or plane; G92 and G43 stay after M2.
     """
-    text = "\n".join(_COMMENT.sub("", line) for line in lines[: moves[0].line])
+    # A move of a subroutine stands before the call, and what is said before that counts.
+    called = next((count for count, line in enumerate(lines, 1) if _CALL.search(line)), 0)
+    said = (line for line in lines[: max(moves[0].line, called)] if not line.lstrip().startswith("/"))
+    text = "\n".join(_COMMENT.sub("", line) for line in said)
     curved = any(move.curve is not None for move in moves)
     missing = [
         assumed

@@ -1,5 +1,6 @@
 """Programs as files: from their lines to the moves of a tool in millimetres."""
 
+import re
 from fractions import Fraction
 from pathlib import Path
 
@@ -53,7 +54,8 @@ def read_program(
         raise InputError(f"{path}: no moves: a program with at least one G0 or G1 move is needed")
     if start is None:
         state.notes["start"] = assumed_start(state.moves)
-    if state_note := assumed_state(read_input(path).decode(errors="replace").splitlines(), state.moves):
+    lines = re.split(r"\r\n|\n|\r", read_input(path).decode(errors="replace"))
+    if state_note := assumed_state(lines, state.moves):
         state.notes["state"] = state_note
     state.notes |= machine.assumed
     changes = (state.loaded or 0) != state.moves[-1].tool

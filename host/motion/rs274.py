@@ -420,6 +420,9 @@ def read_by_rs274(
         raise InputError(f"{path}: no moves: a program with at least one G0 or G1 move is needed")
     if start is None:
         state.notes["start"] = assumed_start(state.moves)
+    if any(line.lstrip().startswith("/") for line in lines):
+        told = "left out" if skip_optional else "run"
+        state.notes["optional"] = f"lines that begin with / are {told}"
     state.notes["state"] = assumed_state(_lines_of(path), state.moves)
     state.notes |= machine.assumed
     line = state.moves[0].line
@@ -479,22 +482,41 @@ _RADIUS_WORDS = re.compile(rf"g0*4[12](\.0*1?)?(?!\d)|{_ANY_WORD}")
 _ANY_HOME, _BY_LINEAR = re.compile(rf"g0*(28|30){_END}"), re.compile(r"(?!.*[abc])(?=.*[xyz]).*")
 _CHANGES, _COMPENSATES = (re.compile(rf"{word}{_END}|{_ANY_WORD}") for word in ("m0*6", "g0*4[39]"))
 _LOADING = re.compile(rf"m0*61{_END}")
-_RESTORING, _SHIFTING = re.compile(r"g0*92\.30*(?!\d)"), re.compile(rf"g0*(92(\.10*)?|52){_END}")
+_RESTORING, _SHIFTING = re.compile(r"g0*92\.30*(?!\d)|g[\[#]"), re.compile(rf"g0*(92(\.10*)?|52){_END}")
 _TURNS = re.compile(rf"g0*10{_END}|{_ANY_WORD}")
 _READ_NAME = re.compile(r"#<[^>]*>(?!=)")
 _READ, _SET_NAME = re.compile(r"#(\d+|<[^>]*>)(?!\d*=)"), re.compile(r"#(<[^>]*>)=")
 # From which number on parameters are the control's; in a line without blanks, and in any line.
 _CONTROLS, _NUMBERED = 5000, re.compile(r"#((?:\s*\d)+)", re.ASCII)
 # Whether a name exists that all programs share hangs on those before; where it has a value it does.
-_EXISTS = re.compile(r"exists\s*\[\s*(#\s*<\s*_[^>]*>)\s*\]", re.IGNORECASE)
-_BOUNDS, _FANUC = re.compile(r"o(?:<[^>]*>|\d+)(sub|endsub)"), re.compile(rf"m(0*98{_END}|[\[#])")
+_WORD_EXISTS = r"\s*".join("exists")
+_EXISTS = re.compile(rf"{_WORD_EXISTS}\s*\[\s*(#\s*<\s*_[^>]*>)\s*\]", re.IGNORECASE)
+# A number always does.
+_EXISTS_NUMBER = re.compile(rf"{_WORD_EXISTS}\s*\[\s*#[\d\s]*\]", re.IGNORECASE | re.ASCII)
+_FLOW = r"(?:n\d+)?o(?:<[^>]*>|\d+)"
+_BOUNDS, _NO_BOUNDS = re.compile(rf"{_FLOW}(sub|endsub)"), re.compile(rf"^/{_FLOW}(sub|endsub)")
+# An O word whose name is neither of letters nor plain digits.
+_COMPUTED = re.compile(r"^/?(?:n\d+)?o(?!<[^>]*>|\d+(?:[a-z]|$))")
+_NAME = re.compile(r"#<[^>]*>")
+_FANUC = re.compile(rf"m(0*98{_END}|[\[#])")
 _WHOSE = "an argument, in a program with M98 and O sub: of which call is not known: use #31 or more"
 # What the interpreter says of a name without a value: the name, its number where it stands for one, the line.
 _UNSET = re.compile(r"Named parameter #(<(?:_p+(\d+))?[^>]*>) not defined\s*(?:N(\d+) )?")
-_INDIRECT = re.compile(r"##|#\[")
+_INDIRECT = re.compile(r"#(?![\d<])|#\d+\.")
+_ANY_FLOW = re.compile(r"/?(?:n\d+)?o")
 _CALLED, _DEFINED = re.compile(r"o(<[^>]*>|\d+|[\[#]).*?call"), re.compile(r"o(<[^>]*>|\d+)sub")
 # Of names that begin with _, those that mean the same on each machine; the others are the control's.
-_NAMES = ("x", "y", "z", "metric", "imperial", "absolute", "incremental", "value")
+_NAMES = ("x", "y", "z", "metric", "imperial", "absolute", "incremental")
+# Those of the control that no program can set, though a line may try (LinuxCNC's manual, G code: overview).
+_SYSTEM_NAMES = (
+    "vmajor vminor line motion_mode plane ccomp ijk_absolute_mode lathe_diameter_mode lathe_radius_mode "
+    "inverse_time units_per_minute units_per_rev coord_system tool_offset retract_r_plane retract_old_z "
+    "spindle_rpm_mode spindle_css_mode spindle_on spindle_cw mist flood speed_override feed_override "
+    "adaptive_feed feed_hold feed rpm a b c u v w abs_x abs_y abs_z abs_a abs_b abs_c abs_u abs_v abs_w "
+    "current_tool current_pocket selected_tool selected_pocket value value_returned task call_level "
+    "remap_level"
+)
+_OTHERS = frozenset(f"<_{name}>" for name in _SYSTEM_NAMES.split())
 _MEANT = frozenset(f"<_{name}>" for name in _NAMES)
 # Words without expressions, after / and N; of these what changes the tool, and what sets compensation.
 _VALUE = r"(?:[+-]?[\d.]+|#\d+|#<[^>]*>)"
@@ -527,6 +549,8 @@ def _refuse_unknown(path: Path, lines: Sequence[str], machine: Machine) -> tuple
          "needs the diameter of each tool: give parts with diameters in a machine file"),
         (_LOADING, True, "its tool is not known to the interpreter: change tools with M6"),
         (_INDIRECT, True, "may be any parameter: name it, or leave --reader out"),
+        (_COMPUTED, True, "an O word whose name is computed: name it, or leave --reader out"),
+        (_NO_BOUNDS, True, "a subroutine that may be left out: begin its lines without /"),
     ]  # fmt: skip
     files, texts = [path], {path: [_bare(line) for line in lines]}
     for file in files:
@@ -534,11 +558,16 @@ def _refuse_unknown(path: Path, lines: Sequence[str], machine: Machine) -> tuple
         texts |= {more: list(map(_bare, _lines_of(more))) for more in files if more not in texts}
     set_names = {name for text in texts.values() for line in text for name in _SET_NAME.findall(line)}
     for file, text in texts.items():
-        shift_known = False
+        shift_known = called = any_flow = False
         for count, line in enumerate(text, 1):
-            if _RESTORING.search(line) and not shift_known:
+            words = _NAME.sub("#", line)
+            if _RESTORING.search(words) and not shift_known:
                 raise Place(file, count).error("G92.3", RESTORES)
-            shift_known |= _SHIFTING.search(line) is not None
+            any_flow |= _ANY_FLOW.match(line) is not None
+            # What a branch, a call or / may leave out says nothing.
+            plain = file == path and not any_flow and line[:1] != "/"
+            shift_known |= plain and _SHIFTING.search(words) is not None
+            called |= "call" in line or file != path
             if file != path and _CHANGES.search(line) and _COMPENSATES.search(line):
                 why = "with a change of the tool, in a file of its own, which it mistakes: give two lines"
                 raise Place(file, count).error("G43", why)
@@ -551,7 +580,9 @@ def _refuse_unknown(path: Path, lines: Sequence[str], machine: Machine) -> tuple
             for name in _READ.findall(line):
                 # Of numbers up to the control's own the interpreter tells (`_with_names`).
                 free = name.isdigit() and (int(name) < _CONTROLS or 5420 <= int(name) <= 5422)
-                if name not in set_names | _MEANT and not free:
+                known = name in _MEANT or (name in set_names and name not in _OTHERS)
+                # The last value that a subroutine has returned, of this program once it has called one.
+                if not (known or free or (name == "<_value>" and called)):
                     raise Place(file, count).error(f"#{name}", NO_VALUE)
     ends = [count for count, line in enumerate(texts[path], 1) if line == "%"]
     closed = ends[1] if len(ends) > 1 else ends[0] if ends and any(texts[path][: ends[0] - 1]) else None
@@ -574,12 +605,12 @@ def _with_names(texts: Mapping[Path, Sequence[str]]) -> dict[Path, list[str]]:
     while any(f"<{prefix}" in line for line in every):
         prefix += "p"
     # M98 calls lines that stand in no subroutine, with the arguments of whoever calls.
-    unclear = any(map(_FANUC.search, every)) and any(map(_BOUNDS.search, every))
+    unclear = any(map(_FANUC.search, every)) and any(map(_BOUNDS.match, every))
     named = dict[Path, list[str]]()
     for file, text in texts.items():
         within, lines = False, list[str]()
         for count, (line, bare_line) in enumerate(zip(text, bare[file], strict=True), 1):
-            bound = _BOUNDS.search(bare_line)
+            bound = _BOUNDS.match(bare_line)
             within |= bound is not None and bound[1] == "sub"
             numbers = map(int, _NUMBERED.findall(bare_line)) if unclear and not within else ()
             if any(1 <= number <= ARGUMENTS for number in numbers):
@@ -601,7 +632,8 @@ def _with_name(line: str, prefix: str, within: bool) -> str:
     at, parts = 0, list[str]()
     for comment in (*_COMMENT.finditer(line), None):
         code = line[at : comment.start()] if comment else line[at:]
-        parts += [_NUMBERED.sub(name, _EXISTS.sub(r"[1+0*\1]", code)), comment[0] if comment else ""]
+        code = _EXISTS_NUMBER.sub("[1]", _EXISTS.sub(r"[1+0*\1]", code))
+        parts += [_NUMBERED.sub(name, code), comment[0] if comment else ""]
         at = comment.end() if comment else len(line)
     return "".join(parts)
 

@@ -6,7 +6,7 @@ from copy import copy
 from dataclasses import replace
 from fractions import Fraction
 from functools import partial
-from itertools import pairwise, product
+from itertools import count, pairwise, product
 from types import SimpleNamespace
 
 import numpy as np
@@ -141,8 +141,12 @@ def test_a_path_ends_where_it_ends_and_not_where_it_passes_over_that(lines, tmp_
     follower.permitted = len(follower.pieces)
     counts = [160 if move.curve else 40 for move in moves]
     looks = [move.at(Fraction(k, n)) for move, n in zip(moves, counts, strict=True) for k in range(n)]
+    seconds = 0.0
     for number, look in enumerate([*looks, moves[-1].end]):
-        follower.moved(look, number / 1000)
+        # By no more than its speed.
+        way = max(abs(a - b) for a, b in zip(look, looks[max(number - 1, 0)], strict=True))
+        seconds += max(0.001, float(way / SPEED))
+        follower.moved(look, seconds)
         apart = max(abs(a - b) for a, b in zip(look, moves[-1].end, strict=True))
         assert follower.at_the_end == (number >= len(looks) - 1 and apart <= Fraction(2, 100)), number
 
@@ -217,8 +221,24 @@ def test_a_tool_that_comes_sooner_than_it_can_is_stopped(program):
     follower.moved(start, 1.0)
     soonest = way / SPEED - LAG
     with pytest.raises(StrayedError, match="faster than --speed; the machine is stopped"):
-        follower.moved(end, 1.0 + float(soonest) - 0.001)
+        follower.moved(end, 1.0 + float(soonest - 2 * SLACK / SPEED) - 0.001)
     follower.moved(end, 1.0 + float(soonest))
+    # Twice as fast, by steps each of which a lag would allow.
+    hurried = Follower(scene, cut(scene), SPEED, LAG)
+    hurried.permitted = len(hurried.pieces)
+    with pytest.raises(StrayedError, match="faster than --speed"):
+        for number in range(41):
+            seconds = float(way / SPEED) * number / 80
+            hurried.moved(scene.program.moves[0].at(Fraction(number, 40)), seconds)
+
+
+def test_a_simulated_tool_is_as_fast_as_it_may_be_on_a_long_move(tmp_path):
+    path = tmp_path / "long.nc"
+    path.write_text("G21 G90 G61\nG1 X300 F900\n")
+    program, ticks = scene_of(path).program, count()
+    tool = SimulatedTool(program, Fraction(1), lambda: next(ticks) / 100, lambda: True)
+    places = [float(tool.report()[0][0]) for _ in range(50)]
+    assert places == pytest.approx([number / 100 for number in range(1, 51)], abs=1e-5)
 
 
 @pytest.mark.parametrize(

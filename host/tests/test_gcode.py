@@ -767,6 +767,18 @@ NOT_KNOWN_THERE = [
     ("#<_ours>=1 G0 X#<_ours>", "", "line 2: word '#<_ours>'"),
     ("/#40=2\n#41=#40 #40=3\n#40=4 #42=#42\nG0 X1", "", "line 4: word '#42'"),
     ("O1 if [EXISTS[#<_ours>]]\nG0 X1\nO1 endif\n#<_ours>=1", "", "word '#<_ours>'"),
+    ("O1 if [EX ISTS[# <_ours>]]\nG0 X1\nO1 endif\n#<_ours>=1", "", "word '#<_ours>'"),
+    # Numbers that are not digits alone, subroutines computed, or left out, names that look like these.
+    ("G0 X#+100\n#100=2", "", "may be any parameter"), ("G0 X#abs[100]", "", "may be any parameter"),
+    ("G0 X#-[-100]", "", "may be any parameter"), ("#5=9\nG0 X#5.0", "", "may be any parameter"),
+    ("o[100] sub\nG0 X#1\no[100] endsub\nG0 X1", "", "name is computed"),
+    ("o1.0 sub\nG0 X#1\no1.0 endsub\no1 call [3]", "", "name is computed"),
+    ("/o1 sub\nG0 X#1\n/o1 endsub\nG0 X2", "", "may be left out"), ("#<o1sub>=3\nG0 X#5", "", "word '#5'"),
+    ("O1 if [0]\nG92 X0 Y0 Z0\nO1 endif\nG92.3\nG0 X1", "", "what the control kept before"),
+    ("#<g92>=1\nG92.3\nG0 X1", "", "what the control kept before"),
+    ("G[92.3]\nG0 X1", MACHINE, "kept before"),
+    ("O1 if [0]\n#<_task>=1\nO1 endif\nG0 X#<_task>", "", "word '#<_task>'"),
+    ("G0 X#<_value>", "", "word '#<_value>'"),
     ("G0 X#<_ours>\n#<_ours>=1", "", "line 2: word '#<_ours>'"), ("#5221=1\nG0 X#5221", MACHINE, "'#5221'"),
     ("o<a> sub\nM98 P9\no<a> endsub\no<a> call [1]\nM2\nO9\nG0 X#1\nM99", "", "use #31 or more"),
 ]  # fmt: skip

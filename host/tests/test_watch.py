@@ -337,7 +337,7 @@ def test_between_turns_a_machine_is_followed_by_what_stands_then(top, tmp_path, 
         status, _, said = run("G0 Z30\nC20", [*down, *[(0, 0, 30, 0)] * 3, *turn])
         assert (status, said.err, went[-1]) == (0, "", "abort") and "FOLLOWED" in said.out, (said.err, went)
         # A part that ends where it begins is not over before it has begun; looked at three times before it.
-        there = [(x, 0, 30, 20) for x in (0, 0, 0, 0, 3, 7, 12, 16, 13, 9, 4, 0, 0, 0)]
+        there = [(x, 0, 30, 20) for x in (0, 0, 0, *range(16), *range(16, -1, -1), 0, 0)]
         last = [(x, 0, 30, 40) for x in (0, 2, 4, 5, 5, 5)]
         positions = [*down, *turn, *there, (0, 0, 30, 30), *last]
         bare = TURNING.replace('mesh = "table.stl"', "")
