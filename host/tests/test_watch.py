@@ -90,10 +90,10 @@ def test_tools_are_followed_one_after_the_other(top, tmp_path, capsys, monkeypat
         status, said = run([], "--simulate")
         assert status == 0 and "with tool 2 from line 4 on" in said.out, said.err
         # At the end of a part it stands for a while.
-        first = [f"{x} 0 40 1" for x in (0, 4, 8, *[10] * 12)]
+        first = [f"{x} 0 40 1" for x in (*np.arange(0, 10, 0.25), *[10] * 12)]
         # Away to change it, back with the old one, and only then with the new one.
         away = ["10 0 200 1", "10 0 200 0", "10 0 200 2", "10 0 40 2"]
-        second = [f"{x} 0 40 2" for x in (10, 14, 18, 20, 20, 20, 20)]
+        second = [f"{x} 0 40 2" for x in (*np.arange(10, 20, 0.25), 20, 20, 20, 20)]
         status, said = run([*first, *away, *second])
         assert (status, said.err) == (0, "") and "FOLLOWED: to the end of the program" in said.out
         assert read_published(report, "watch")["verdict"] == "followed"
@@ -101,7 +101,7 @@ def test_tools_are_followed_one_after_the_other(top, tmp_path, capsys, monkeypat
             ([*first, *away[:3]], 1, "ENDED"),
             ([first[0], "4 0 40"], 2, "positions must say which one is in the spindle"),
             ([*first, *["10 0 40"] * 2], 2, "positions must say which one is in the spindle"),
-            ([*first[:2], "8 0 40 2"], 2, "tool 2 is in the spindle, and not 1"),
+            ([*first[:2], "1 0 40 2"], 2, "tool 2 is in the spindle, and not 1"),
             ([*first, *away, *second[:2], "18 0 60 2"], 2, "where it is not permitted to be"),
             # Off the path, at its start, by as much as it may be, and by more.
             (["-0.01 0 40 1", *first[1:], *away[:3]], 1, "ENDED"),
