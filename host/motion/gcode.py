@@ -36,7 +36,7 @@ POLAR = "@^"
 _MOST_LINES, _MOST_CALLS = 2_000_000, 50
 
 _PLAIN = re.compile(rf"([A-Za-z])[ \t]*([+-]?(?:{NUMBER}))", re.ASCII)
-_LINE_END = re.compile(r"\r\n|\n|\r")
+LINE_END = re.compile(r"\r\n|\n|\r")
 _FLOW = re.compile(r"(?:N\d+\s*)?O\s*(?=[\d<#\[])", re.IGNORECASE | re.ASCII)
 _FLOW_NAME, _FLOW_WORD = re.compile(r"<([^<>]*)>|(\d+)", re.ASCII), re.compile(r"[A-Za-z]+", re.ASCII)
 _SUBROUTINE = re.compile(r"[\w-]{1,64}", re.ASCII)
@@ -116,7 +116,7 @@ def read_lines(path: Path) -> Iterator[Line | _Flow]:
     """Yield the lines that are not empty. A single % stands before the first, and after the last."""
     text = read_input(path).removeprefix(b"\xef\xbb\xbf").decode("utf-8", errors="replace")
     started = closed = False
-    for count, line in enumerate(_LINE_END.split(text), 1):
+    for count, line in enumerate(LINE_END.split(text), 1):
         place = Place(path, count)
         try:
             body = _without_comments(place, line).strip()

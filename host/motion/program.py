@@ -1,6 +1,5 @@
 """Programs as files: from their lines to the moves of a tool in millimetres."""
 
-import re
 from fractions import Fraction
 from pathlib import Path
 
@@ -9,7 +8,7 @@ from triaxis.golden.exact import Rational
 from triaxis.golden.input_file import read_input
 from triaxis.host.engines import Progress, unwatched
 from triaxis.host.motion.expression import Memory
-from triaxis.host.motion.gcode import Execution
+from triaxis.host.motion.gcode import LINE_END, Execution
 from triaxis.host.motion.interpreter import ORIGIN, Interpreter, Modal
 from triaxis.host.motion.machine import Machine
 from triaxis.host.motion.moves import Program, assumed_start, assumed_state
@@ -54,7 +53,7 @@ def read_program(
         raise InputError(f"{path}: no moves: a program with at least one G0 or G1 move is needed")
     if start is None:
         state.notes["start"] = assumed_start(state.moves)
-    lines = re.split(r"\r\n|\n|\r", read_input(path).decode(errors="replace"))
+    lines = LINE_END.split(read_input(path).decode(errors="replace"))
     if state_note := assumed_state(lines, state.moves):
         state.notes["state"] = state_note
     state.notes |= machine.assumed

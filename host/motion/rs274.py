@@ -27,7 +27,7 @@ from triaxis.golden.input_file import Place, read_input
 from triaxis.host.engines import Progress, unwatched
 from triaxis.host.motion.curves import SLACK, Curve, Turned, arc
 from triaxis.host.motion.expression import ARGUMENTS, NO_VALUE, number
-from triaxis.host.motion.gcode import AFTER_THE_END
+from triaxis.host.motion.gcode import AFTER_THE_END, LINE_END
 from triaxis.host.motion.interpreter import PALLET, RESTORES
 from triaxis.host.motion.kinematics import ROTARY
 from triaxis.host.motion.machine import SYSTEMS, Machine
@@ -665,7 +665,7 @@ def _split(line: str) -> list[str]:
 
 
 def _lines_of(path: Path) -> list[str]:
-    return re.split(r"\r\n|\n|\r", read_input(path).decode("utf-8", errors="replace"))
+    return LINE_END.split(read_input(path).decode("utf-8", errors="replace"))
 
 
 def _called(path: Path, lines: Sequence[str]) -> list[Path]:
