@@ -29,7 +29,7 @@ from triaxis.coverage.code_counters import FALL, RISE, Counters, Point
 from triaxis.coverage.elaboration import Instance
 from triaxis.coverage.stages import share
 from triaxis.coverage.waiver_upkeep import WaivedPlace, other_rtl, stale_patterns
-from triaxis.coverage.waivers import KINDS, BoundError, Waiver
+from triaxis.coverage.waivers import KINDS, BoundError, Waiver, module_code
 from triaxis.golden.errors import InputError
 from triaxis.sim.paths import DUT
 
@@ -322,8 +322,9 @@ def conclude(
         whole.count(place, (block.module, block.label) in whole.elaborated, first)
         if first is not None:
             whole.cover(first, WaivedPlace(place.model, block.module, block.module, block.label))
+    code = module_code(dut)
     for waiver in waivers:
-        if said := other_rtl(waiver, dut):
+        if said := other_rtl(waiver, code):
             whole.refute(waiver, said)
         if not whole.waived.get(waiver.number):
             whole.refute(waiver, "covers no bin that an earlier one does not cover")

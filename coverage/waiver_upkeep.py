@@ -15,9 +15,8 @@ from pathlib import Path
 from typing import Any
 
 from triaxis.coverage.report import ModelReport
-from triaxis.coverage.waivers import WAIVERS, Waiver, fit, read_waivers
+from triaxis.coverage.waivers import WAIVERS, Waiver, fit, module_code, read_waivers
 from triaxis.golden.errors import InputError
-from triaxis.sim.paths import DUT
 
 Record = dict[str, Any]
 
@@ -89,12 +88,13 @@ def exclusion_records(reports: Iterable[ModelReport]) -> list[Record]:
     ]
 
 
-def other_rtl(waiver: Waiver, dut: Path = DUT) -> str | None:
+def other_rtl(waiver: Waiver, code: Mapping[str, str]) -> str | None:
     """Return that a waiver's modules are not those that its reason was read against; None: they are.
 
-    What drives them may have changed too: where that matters a waived bin is hit, which fails the run.
+    ``code``: the RTL, as `module_code` gives it. What drives the modules may have changed too: where that
+    matters a waived bin is hit, which fails the run.
     """
-    if waiver.reviewed == waiver.rtl_hash(dut):
+    if waiver.reviewed == waiver.rtl_hash(code):
         return None
     return "its modules changed: read its reason again, then `triaxis coverage code --confirm-waivers`"
 
@@ -109,7 +109,8 @@ def waiver_problems(recorded: Sequence[Record] | None, path: Path = WAIVERS) -> 
         waivers = read_waivers(path)
     except InputError as error:
         return [str(error)]
-    found = [f"{waiver.name}: {said}" for waiver in waivers if (said := other_rtl(waiver))]
+    code = module_code()
+    found = [f"{waiver.name}: {said}" for waiver in waivers if (said := other_rtl(waiver, code))]
     return found if recorded is None else [*found, *_unlike(waivers, recorded)]
 
 

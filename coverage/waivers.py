@@ -157,9 +157,9 @@ class Waiver:
     step: str = "1"
     rests_on: tuple[str, ...] = ()
 
-    def rtl_hash(self, dut: Path = DUT) -> str:
-        """Return the hash of the RTL as it is that the proof speaks of."""
-        return module_hash(self.rests_on or self.modules, dut)
+    def rtl_hash(self, code: Mapping[str, str]) -> str:
+        """Return the hash of what the proof speaks of, in the RTL as `module_code` gives it."""
+        return module_hash(self.rests_on or self.modules, code)
 
     @property
     def name(self) -> str:
@@ -284,18 +284,24 @@ def _check_subject(fields: dict[str, Any], place: str) -> None:
         raise InputError(f"{place}: a toggle waiver has `signals`, and either `range` or `bits`")
 
 
-def module_hash(modules: Iterable[str], dut: Path = DUT) -> str:
-    """Return a short hash of the RTL of these modules, comments and spacing left out; ``*``: of all."""
+def module_code(dut: Path = DUT) -> dict[str, str]:
+    """Return the RTL of each module, without comments and spacing, in the order of the files."""
+    files = sorted(dut.rglob("*.sv"))
+    return {one.stem: " ".join(_COMMENTS.sub(" ", one.read_text("utf-8")).split()) for one in files}
+
+
+def module_hash(modules: Iterable[str], code: Mapping[str, str]) -> str:
+    """Return a short hash of the RTL of these modules; ``*``: of all."""
     wanted = set(modules)
-    found = [path for path in sorted(dut.rglob("*.sv")) if "*" in wanted or path.stem in wanted]
-    code = [_COMMENTS.sub(" ", path.read_text(encoding="utf-8")).split() for path in found]
-    return hashlib.sha256(" ".join(word for words in code for word in words).encode()).hexdigest()[:12]
+    found = " ".join(text for name, text in code.items() if "*" in wanted or name in wanted)
+    return hashlib.sha256(found.encode()).hexdigest()[:12]
 
 
 def confirm_waivers(path: Path = WAIVERS, dut: Path = DUT) -> int:
     """Write into the file that the reasons were read against the RTL as it is; return how many changed."""
     waivers = read_waivers(path)
-    hashes = [waiver.rtl_hash(dut) for waiver in waivers]
+    code = module_code(dut)
+    hashes = [waiver.rtl_hash(code) for waiver in waivers]
     rest = iter(hashes)
     line = re.compile(r'^reviewed = ".*"$', re.MULTILINE)
     write_whole(path, line.sub(lambda _: f'reviewed = "{next(rest)}"', path.read_text(encoding="utf-8")))

@@ -37,6 +37,9 @@ def squared_distance(a: Sequence[Point], b: Sequence[Point]) -> Fraction:
 
     It is attained between two edges, or a vertex and the inside of a facet; or an edge goes through a facet.
     """
+    # Whole numbers take a tenth of the time of fractions.
+    scale = math.lcm(*(x.denominator for triangle in (a, b) for vertex in triangle for x in vertex))
+    a, b = ([[int(x * scale) for x in vertex] for vertex in triangle] for triangle in (a, b))
     edges = [[(t[k], t[(k + 1) % 3]) for k in range(3)] for t in (a, b)]
     least = min(_of_segments(*p, *q) for p, q in product(*edges))
     for one, other, others_edges in ((a, b, edges[1]), (b, a, edges[0])):
@@ -46,17 +49,17 @@ def squared_distance(a: Sequence[Point], b: Sequence[Point]) -> Fraction:
             continue
         heights = [dot(normal, difference(vertex, one[0])) for vertex in other]
         for vertex, height in zip(other, heights, strict=True):
-            square = Rational(height * height, 1) / size
+            square = Rational(height * height, size)
             if square < least and _inside(vertex, one, normal):
                 least = square
         for k, (start, end) in enumerate(others_edges):
             below, above = heights[k], heights[(k + 1) % 3]
             if below * above < 0:
-                part = Rational(below) / (below - above)
+                part = Rational(below, below - above)
                 place = [p + part * (q - p) for p, q in zip(start, end, strict=True)]
                 if _inside(place, one, normal):
                     least = Rational(0)
-    return Fraction(int(least.numerator), int(least.denominator))
+    return Fraction(int(least.numerator), int(least.denominator) * scale * scale)
 
 
 def _cross(x: Point, y: Point) -> list[int | Fraction]:
@@ -76,26 +79,26 @@ def _of_segments(p: Point, p_end: Point, q: Point, q_end: Point) -> Rational:
     """Return the squared distance of two segments.
 
     The square is a convex function of both places, so where its minimum lies outside it is on the rim: of one
-    end of either to the other.
+    end of either to the other. Inside it is that of the two lines, along the normal of both.
     """
     u, v, w = difference(p_end, p), difference(q_end, q), difference(p, q)
     uu, uv, vv, uw, vw = dot(u, u), dot(u, v), dot(v, v), dot(u, w), dot(v, w)
     determinant = uu * vv - uv * uv
-    if determinant:
-        s, t = Rational(uv * vw - vv * uw) / determinant, Rational(uu * vw - uv * uw) / determinant
-        if 0 <= s <= 1 and 0 <= t <= 1:
-            return _square([a + s * b - t * c for a, b, c in zip(w, u, v, strict=True)])
+    if determinant and 0 <= uv * vw - vv * uw <= determinant and 0 <= uu * vw - uv * uw <= determinant:
+        apart = dot(_cross(u, v), w)
+        return Rational(apart * apart, determinant)
     return min(_to_segment(p, q, v), _to_segment(p_end, q, v), _to_segment(q, p, u), _to_segment(q_end, p, u))
 
 
 def _to_segment(point: Point, start: Point, along: Point) -> Rational:
     way, length = difference(point, start), dot(along, along)
-    part = min(max(Rational(dot(way, along)) / length, 0), 1) if length else 0
-    return _square([a - part * b for a, b in zip(way, along, strict=True)])
-
-
-def _square(x: Point) -> Rational:
-    return Rational(dot(x, x))
+    part = dot(way, along)
+    if part <= 0:
+        return Rational(dot(way, way))
+    if part >= length:
+        rest = difference(way, along)
+        return Rational(dot(rest, rest))
+    return Rational(dot(way, way) * length - part * part, length)
 
 
 def euclidean_distance(a: StlMesh, i: int, b: StlMesh, j: int, move: Vector) -> float:

@@ -68,7 +68,7 @@ def assessed(tmp_path):
 
 
 def waiver(**changes):
-    usual = Waiver(1, "bounded", "because", "dut", module_hash(()), "toggle", ("top",), bits=("1",))
+    usual = Waiver(1, "bounded", "because", "dut", module_hash((), {}), "toggle", ("top",), bits=("1",))
     return replace(usual, **{"signals": ("sum",), **changes})
 
 

@@ -106,7 +106,7 @@ def test_the_models_elaborate_every_generate_block() -> None:
 
 def coverage(assessment: Assessment, **changes: int) -> CodeCoverage:
     run = replace(Run("w16_m0", "MixedTest", 9, 0, 1.0), **changes)
-    waiver = Waiver(1, "bounded", "because", "dut", module_hash(()), "toggle", ("m",), signals=("s",))
+    waiver = Waiver(1, "bounded", "because", "dut", module_hash((), {}), "toggle", ("m",), signals=("s",))
     return CodeCoverage([run], assessment, [waiver], 2.0, "a" * 64)
 
 
