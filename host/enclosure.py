@@ -16,16 +16,24 @@ Only closed shells have an inside. What is open, with gaps that nobody can tell 
 as one body that may fill its box: where a box of the other mesh's shells lies within that one, the answer is
 undecided.
 
-A solid that is written with both sides of its surface is closed, and its winding number is 0 everywhere. A
-ray from within passes an odd number of *sheets*, where crossings in one plane cancel, outside of all else.
-Where it does in any of six directions the answer is undecided, as sheets may have gaps. Walls between
-solids that touch are no sheets: there the ray is inside before and after.
+Numbers that say "outside" are believed where they must be right. A shell from which a ray leaves without
+meeting it holds nothing there, whatever its facets tell of their sides. Where one whose own number is 0, or
+even, meets all rays of all vertices that are tried, it may be several bodies that share a vertex, one of them
+mirrored, or both sides of a surface: undecided. So is a part that lies deep in a bent hole.
+
+A solid that is written with both sides of its surface, in parts, is closed, and its winding number is 0
+everywhere. A ray from within passes an odd number of *sheets*, where crossings in one plane cancel, outside
+of all else. Where it does in any of six directions the answer is undecided, as sheets may have gaps; and
+where it passes any in all of them, as it does where two such solids overlap. Walls between solids that touch
+are no sheets: there the ray is inside before and after.
 
 A shell that is turned inside out is a cavity where it lies within another. Where the two cross it is none,
-but a solid that was mirrored, and in the overlap the winding number is 0: undecided, too.
+but a solid that was mirrored, and in the overlap the winding number is 0: undecided, too. So it is where the
+other lies within the one that is turned inside out.
 """
 
-from collections.abc import Sequence
+from collections import Counter
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from enum import StrEnum
 from fractions import Fraction
@@ -44,6 +52,10 @@ Mask = npt.NDArray[np.bool_]
 
 # Beyond all coordinates.
 _FAR = 1 << 62
+# Sides to which rays go; vertices of a part from which they do.
+_WAYS, _TRIED = 6, 256
+# Points, facets and signs.
+_Crossings = tuple[Integers, Integers, Integers]
 
 
 @dataclass(frozen=True)
@@ -149,32 +161,59 @@ def inside(points: Integers, facets: Integers, shells: Shells) -> tuple[Mask, Ma
     No point may be on a facet. Inside is where the winding number of the oriented shells is not zero: so the
     overlap of two solids is inside, and a cavity is not. A shell that is closed and not oriented tells
     odd from even only. Where it holds a point and the sum of all is even, that may be an overlap or a cavity:
-    the second. The third: where shells that cross, turned against each other, make the sum zero.
+    the second. The third: where shells turned against each other make the sum zero, and are not what they
+    would be of a solid with cavities, see `_is_cavity`.
+    """
+    of, shell, turns, passed = _turns(points, facets, shells)
+    winding, held = np.zeros((2, len(points)), np.int64)
+    np.add.at(winding, of, turns)
+    np.add.at(held, of, passed)
+    odd = (winding + held) % 2 == 1
+    cancelled, crossing = np.zeros(len(points), np.bool_), dict[tuple[int, int], bool]()
+
+    def crosses(pair: tuple[int, int]) -> bool:
+        if pair not in crossing:
+            crossing[pair] = _cross(*(facets[shells.number == one] for one in pair))
+        return crossing[pair]
+
+    # By point, as the keys are.
+    rows = np.flatnonzero((turns != 0) & (winding[of] == 0))
+    for some in np.split(rows, np.flatnonzero(np.diff(of[rows])) + 1) if len(rows) else ():
+        cancelled[of[some[0]]] = not _is_cavity(shell[some], turns[some], shells.boxes, crosses)
+    return np.where(held > 0, odd, winding != 0), (held > 0) & ~odd, cancelled
+
+
+def _turns(
+    points: Integers, facets: Integers, shells: Shells
+) -> tuple[Integers, Integers, Integers, Integers]:
+    """Return of points and closed shells whose facets are above: both numbers, how often the shell winds
+    around the point where it is oriented, and 1 where it is not and passed an odd number of times.
     """
     used = np.flatnonzero(shells.closed[shells.number])
     number = shells.number[used]
     point, facet, sign = _crossings(points, facets[used])
     oriented = shells.oriented[number[facet]]
-    # By point and shell.
     key, place = np.unique(point * len(shells.first) + number[facet], return_inverse=True)
     turns, passed = np.zeros((2, len(key)), np.int64)
     np.add.at(turns, place[oriented], sign[oriented])
     np.add.at(passed, place[~oriented], 1)
-    of, shell = key // max(1, len(shells.first)), key % max(1, len(shells.first))
-    winding, held = np.zeros((2, len(points)), np.int64)
-    np.add.at(winding, of, turns)
-    np.add.at(held, of, passed % 2)
-    odd = (winding + held) % 2 == 1
-    cancelled, crossing = np.zeros(len(points), np.bool_), dict[tuple[int, int], bool]()
-    # By point, as the keys are.
-    rows = np.flatnonzero((turns != 0) & (winding[of] == 0))
-    for some in np.split(rows, np.flatnonzero(np.diff(of[rows])) + 1) if len(rows) else ():
-        up, down = (shell[some[way * turns[some] > 0]].tolist() for way in (1, -1))
-        for pair in product(up, down):
-            if pair not in crossing:
-                crossing[pair] = _cross(*(facets[shells.number == one] for one in pair))
-            cancelled[of[some[0]]] |= crossing[pair]
-    return np.where(held > 0, odd, winding != 0), (held > 0) & ~odd, cancelled
+    return key // max(1, len(shells.first)), key % max(1, len(shells.first)), turns, passed % 2
+
+
+def _is_cavity(
+    shell: Integers, turns: Integers, boxes: Integers, crosses: Callable[[tuple[int, int]], bool]
+) -> bool:
+    """Return whether shells that wind around a point, in sum 0 times, leave a cavity there.
+
+    Those turned against each other do not cross, so one is within the other; and from outside in, no more
+    are turned inside out than are not: a cavity needs what it is in.
+    """
+    up, down = (shell[way * turns > 0].tolist() for way in (1, -1))
+    if any(map(crosses, product(up, down))):
+        return False
+    # What is within another, and meets nothing of it, has the smaller box.
+    size = (boxes[shell, 1] - boxes[shell, 0]).sum(1)
+    return bool((np.cumsum(turns[np.argsort(-size, kind="stable")]) >= 0).all())
 
 
 def _cross(a: Integers, b: Integers) -> bool:
@@ -182,7 +221,7 @@ def _cross(a: Integers, b: Integers) -> bool:
     return any(len(near) for _, near in near_facets(a, b, 0, bulk_near))
 
 
-def _crossings(points: Integers, facets: Integers) -> tuple[Integers, Integers, Integers]:
+def _crossings(points: Integers, facets: Integers) -> _Crossings:
     """Return where rays from points (K, 3) along +z cross facets (N, 3, 3): point, facet, and +1 where its
     vertices run counterclockwise seen from above, -1 otherwise.
 
@@ -205,22 +244,62 @@ def _crossings(points: Integers, facets: Integers) -> tuple[Integers, Integers, 
     return point[above], facet[above], sign[above]
 
 
-def between_sheets(points: Integers, facets: Integers, shells: Shells) -> Mask:
-    """Return which points (K, 3), outside of closed shells, may be inside sheets of theirs: (K,)."""
-    used = np.flatnonzero(shells.closed[shells.number])
-    facets, oriented = facets[used], shells.oriented[shells.number[used]]
-    found = np.zeros(len(points), np.bool_)
+def _six_ways(points: Integers, facets: Integers) -> Iterator[tuple[Integers, Integers, _Crossings]]:
+    """Yield points (K, 3) and facets (N, 3, 3), turned to six sides, and what rays upwards cross there."""
     for axis in range(3):
         for side in (1, -1):
             # The axis last, and upwards: a turn, or one and a reflection, which turns all facets round.
             here, there = (side * np.roll(one, 2 - axis, -1) for one in (points, facets))
-            point, facet, sign = _crossings(here, there)
-            order = np.argsort(point, kind="stable")
-            for rows in np.split(order, np.flatnonzero(np.diff(point[order])) + 1) if len(order) else ():
-                k = int(point[rows[0]])
-                met = facet[rows]
-                found[k] |= _sheets(here[k], there[met], sign[rows], oriented[met]) % 2 == 1
+            yield here, there, _crossings(here, there)
+
+
+def between_sheets(points: Integers, facets: Integers, shells: Shells) -> Mask:
+    """Return which points (K, 3), outside of closed shells, may be inside sheets of theirs: (K,)."""
+    used = np.flatnonzero(shells.closed[shells.number])
+    facets, oriented = facets[used], shells.oriented[shells.number[used]]
+    odd, ways = np.zeros(len(points), np.bool_), np.zeros(len(points), np.int64)
+    for here, there, (point, facet, sign) in _six_ways(points, facets):
+        order = np.argsort(point, kind="stable")
+        for rows in np.split(order, np.flatnonzero(np.diff(point[order])) + 1) if len(order) else ():
+            k = int(point[rows[0]])
+            met = facet[rows]
+            sheets = _sheets(here[k], there[met], sign[rows], oriented[met])
+            odd[k] |= sheets % 2 == 1
+            ways[k] += sheets > 0
+    return odd | (ways == _WAYS)
+
+
+def shut_in(inner: Solid, parts: Integers, outer: Solid) -> Mask:
+    """Return which shells (K,) of the inner mesh a closed shell of the outer one has around them, though by
+    its own winding number, or odd and even, it does not hold them: (K,).
+
+    The inner shell meets nothing of the outer mesh, so it is where any of its vertices is.
+    """
+    facets, hulls = outer.facets, outer.shells
+    firsts = inner.facets[inner.shells.first[parts], 0]
+    used = np.flatnonzero(hulls.closed[hulls.number])
+    point, shell, turns, passed = _turns(firsts, facets, hulls)
+    holding = set(zip(point[turns + passed != 0].tolist(), shell[turns + passed != 0].tolist(), strict=True))
+    seen = Counter[tuple[int, int]]()
+    for _, _, (of, facet, _) in _six_ways(firsts, facets[used]):
+        seen.update(set(zip(of.tolist(), hulls.number[used][facet].tolist(), strict=True)))
+    found = np.zeros(len(parts), np.bool_)
+    for (k, one), ways in sorted(seen.items()):
+        if ways == _WAYS and (k, one) not in holding and not found[k]:
+            vertices = np.unique(inner.facets[inner.shells.number == parts[k]].reshape(-1, 3), axis=0)
+            found[k] = _all_meet(_some_of(vertices), facets[hulls.number == one])
     return found
+
+
+def _all_meet(points: Integers, facets: Integers) -> bool:
+    """Return whether all rays from points (K, 3) to six sides meet one of the facets."""
+    return all(len(np.unique(of)) == len(points) for _, _, (of, _, _) in _six_ways(points, facets))
+
+
+def _some_of(vertices: Integers) -> Integers:
+    """Return the outermost of some vertices (K, 3), and of the others no more than can be tried."""
+    outermost = [*vertices.argmin(0), *vertices.argmax(0)]
+    return vertices[np.unique([*outermost, *range(0, len(vertices), -(-len(vertices) // _TRIED))])]
 
 
 def _sheets(point: Integers, facets: Integers, signs: Integers, oriented: Mask) -> int:
@@ -232,7 +311,8 @@ def _sheets(point: Integers, facets: Integers, signs: Integers, oriented: Mask) 
         height = Fraction(int(x * w[0] + y * w[1] + z * w[2]), int(z))
         planes.setdefault((height, Fraction(int(x), int(z)), Fraction(int(y), int(z))), []).append(k)
     sheets = winding = odd = 0
-    for plane in sorted(planes, reverse=True):
+    # From above; of those of one height at the point that which the moved ray meets first, see `_crossings`.
+    for plane in sorted(planes, key=lambda of: (-of[0], of[1], of[2])):
         met = np.array(planes[plane])
         turned, others = int(signs[met][oriented[met]].sum()), int((~oriented[met]).sum()) % 2
         sheets += not (turned or others or winding or odd)
@@ -379,11 +459,15 @@ def _parts(mesh: str, inner: Solid, outer: Solid, moves: Integers) -> list[Part]
     opened = f"not closed: {int(hulls.open_edges.sum())} edges have an odd number of facets"
     turned = "closed, but neighbouring facets are not turned the same way"
     both = "closed, but written with both sides of its surface, so that nothing tells its inside"
-    crossed = "closed, but parts of it that cross are turned inside out against each other"
-    double = np.zeros(len(shells.first), np.bool_)
+    crossed = "closed, but parts of it that cross, or hold each other, are turned inside out"
+    around = "closed, but on all sides of something that its facets alone do not show to be outside"
+    double, shut = np.zeros((2, len(shells.first)), np.bool_)
     possible = possible[~held[possible]]
     double[possible] = between_sheets(facets[shells.first[possible], 0], outer.facets, hulls)
-    whys = ((held, None), (doubted, opened), (mirrored, crossed), (double, both), (mixed, turned))
+    shut[possible] = shut_in(inner, possible, outer)
+    whys = (
+        (held, None), (doubted, opened), (mirrored, crossed), (double, both), (mixed, turned), (shut, around),
+    )  # fmt: skip
     return [
         Part(
             mesh,
@@ -393,7 +477,7 @@ def _parts(mesh: str, inner: Solid, outer: Solid, moves: Integers) -> list[Part]
             len(shells.first) == 1,
             next(why for mask, why in whys if mask[k]),
         )
-        for k in np.flatnonzero(held | mixed | doubted | double | mirrored)
+        for k in np.flatnonzero(held | mixed | doubted | double | mirrored | shut)
     ]
 
 

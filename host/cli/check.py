@@ -31,10 +31,12 @@ from triaxis.host.link.board_engine import BoardEngine
 from triaxis.host.link.messages import Mode, Status
 from triaxis.host.quantise import NOWHERE, check_clearance
 from triaxis.host.report import counts_entry, enclosure_entry, grid_entry, milliseconds, write_report
-from triaxis.host.scene import AXES, MeshPair, Pose, Turn, distance_of, prepare
+from triaxis.host.scene import AUTOMATIC_WIDTHS, AXES, MeshPair, Pose, Turn, distance_of, prepare
 from triaxis.host.stl import read_stl
 
 _LISTED = 10
+# How much finer a grid is tried where facets touch on one.
+_FINER = 8
 CHEBYSHEV, EUCLIDEAN = "chebyshev", "euclidean"
 
 
@@ -120,15 +122,40 @@ def run(options: argparse.Namespace) -> int:
             return _by_board(options, board, meshes)
         engine = scene_engine(options.engine, meshes.a, meshes.b, meshes.grid.width)
         run = by_distance(options, meshes.a, meshes.b, engine).run(STILL, meshes.margin)
+        told_apart = meshes
         if options.distance == EUCLIDEAN and not (meshes.mesh_a.rounding or meshes.mesh_b.rounding):
             # What the grid rounded need not count: the files' own coordinates are exact.
             where = meshes.mesh_a, meshes.mesh_b, meshes.pose.move
+            by_grid = run.near_count
             run.near = within_in_files(*where, run.near, options.clearance)
             run.near_count = len(run.near)
+            if by_grid and not run.near_count and not options.surfaces_only:
+                told_apart = _on_finer_grid(meshes, names, options.resolution)
         asked = not run.near_count and not options.surfaces_only
-        return _tell(
-            options, meshes, run, enclosure(solid_of(meshes.a), solid_of(meshes.b)) if asked else NOT_ASKED
-        )
+        insides = enclosure(solid_of(told_apart.a), solid_of(told_apart.b)) if asked else NOT_ASKED
+        return _tell(options, meshes, run, insides)
+
+
+def _on_finer_grid(meshes: MeshPair, names: tuple[str, str], resolution: Fraction) -> MeshPair:
+    """Return meshes that do not touch on a grid on which they do not either: there insides can be told.
+
+    Raises InputError where no grid is fine enough and large enough.
+    """
+    # A is turned already.
+    pose = Pose(move=meshes.pose.move)
+    while True:
+        resolution /= _FINER
+        try:
+            finer = prepare(meshes.mesh_a, meshes.mesh_b, names, resolution, Fraction(0), None, pose)
+        except InputError as error:
+            raise InputError(
+                f"{names[0]} and {names[1]}: so close, and so large, that on no grid of "
+                f"{AUTOMATIC_WIDTHS[-1]} bits it can be told whether one is inside the other: verdict "
+                "unknown; compare surfaces only, with --surfaces-only"
+            ) from error
+        engine = scene_engine(BULK, finer.a, finer.b, finer.grid.width)
+        if not engine.run(STILL, finer.margin, stop_at_first=True).near_count:
+            return finer
 
 
 def _by_board(options: argparse.Namespace, board: Board, meshes: MeshPair) -> int:

@@ -158,6 +158,12 @@ def run(options: argparse.Namespace) -> int:
     for note in notes:
         print(f"note: {note}")
     print_verdict(first, len(checked) > 1 and options.stock is not None)
+    if result.verdict == "clear":
+        told = result.insides.notes(rule.names)
+        opened = dict.fromkeys(note for one in checked for note in one.result.insides.notes(one.rule.names))
+        for note in opened:
+            if note not in told:
+                print(f"note: {note}")
     if result.verdict == "unknown":
         line = rule.program.moves[result.asked_at].line
         at = f" at the start of line {line}" if rule.numbers[result.asked_at] else ""

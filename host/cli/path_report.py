@@ -88,6 +88,7 @@ def rule_entry(checked: RuleCheck) -> dict[str, Any]:
         "moves": len(rule.program.moves),
         "verdict": result.verdict,
         "facets": len(checked.scene.a),
+        "open_edges": result.insides.open_edges,
         "levels": result.levels,
         "effort": _effort_entry(result.effort),
     }

@@ -59,6 +59,8 @@ _LARGEST = 10**6
 _HEIGHT = 1e-4
 # Sides of a prism around a cylinder, which is in it.
 _SIDES = 64
+# Of what stands in messages, and takes time that grows with its square.
+_LONGEST_LINE = 1000
 # Parts of its diameter that a cutter's top is thick.
 _THIN = 64
 
@@ -69,10 +71,16 @@ def read_machine(path: Path, scale: Fraction = Fraction(1)) -> Machine:
     ``scale``: millimetres per unit of STL files, and of the parts of tools.
     """
     try:
-        content = tomllib.loads(read_input(path).decode("utf-8-sig"), parse_float=_decimal)
+        text = read_input(path).decode("utf-8-sig")
+        for number, line in enumerate(text.splitlines(), 1):
+            if len(line) > _LONGEST_LINE:
+                raise InputError(f"{path}: line {number}: more than {_LONGEST_LINE} characters: shorten it")
+        content = tomllib.loads(text, parse_float=_decimal)
     except InputError:
         raise
-    except (ValueError, RecursionError) as error:
+    except RecursionError as error:
+        raise InputError(f"{path}: no TOML: tables or lists in others, too many: write it flat") from error
+    except ValueError as error:
         raise InputError(f"{path}: no TOML: {error}") from error
     table = _Table(path, "", content)
     rapids = table.take("rapids", str, "any")
@@ -129,8 +137,11 @@ class _Table:
         if value is not default and (
             not isinstance(value, kind) or isinstance(value, bool) != (kind is bool)
         ):
-            wanted = {Fraction: "a number", list: "a list", str: "a text", bool: "true or false"}
-            raise self.wrong(key, wanted.get(kind, kind.__name__))
+            wanted = {
+                Fraction: "a number", int: "a whole number", list: "a list", str: "a text",
+                bool: "true or false", dict: "a table",
+            }  # fmt: skip
+            raise self.wrong(key, wanted[kind])
         return value
 
     def wrong(self, key: str, wanted: str) -> InputError:
@@ -282,7 +293,9 @@ def _with_objects(table: _Table, machine: Machine, scale: Fraction) -> Machine:
     workpiece.finish()
     if bool(chains) != (nose is not None):
         raise spindle.wrong("nose", "given where there are objects, and there alone")
-    for inner, _, other in touching:
+    for inner, name, other in touching:
+        if other == name:
+            raise inner.wrong("may_touch", "of others")
         if other not in (*chains, *CARRIED):
             raise inner.wrong("may_touch", f"of {', '.join((*chains, *CARRIED))}, not {other!r}")
     pairs = frozenset(frozenset((name, other)) for _, name, other in touching)

@@ -35,6 +35,37 @@ FIN = np.array([[[10, 10, 10], [90, 10, 10], [90, 90, 10]], [[10, 10, 10], [10, 
 # Three boxes side by side: two have a wall with the third.
 CORNER = np.concatenate([box(0, 100), box((100, 0, 0), (200, 100, 100)), box((0, 100, 0), (100, 200, 100))])
 TURNED = np.concatenate([STOCK[:1, ::-1], STOCK[1:]])
+# A box that has one vertex with STOCK, and lies across it.
+LEANING = box(0, 1) @ np.array([[200, 20, 20], [10, 80, 10], [10, 10, 80]])
+IN_BOTH = box((66, 40, 40), (70, 44, 44))
+
+
+WAYS = np.array([[-1, 0, 0], [1, 0, 0], [0, -1, 0], [0, 1, 0], [0, 0, -1], [0, 0, 1]])
+SIDES = box(0, 10).reshape(6, 2, 3, 3)
+
+
+def cells(filled):
+    """Return the surface of cells (X, Y, Z), cubes of 10 where they are filled."""
+    around, there = np.pad(filled, 1), np.argwhere(filled)
+    return np.concatenate(
+        [
+            pair + 10 * at
+            for at in there
+            for way, pair in zip(WAYS, SIDES, strict=True)
+            if not around[tuple(at + 1 + way)]
+        ]
+    )
+
+
+def probe(at):
+    """Return a box within a cell."""
+    return box(10 * np.array(at) + 3, 10 * np.array(at) + 7)
+
+
+# A hole from above that goes on to one side, and a bent needle that comes out of it.
+BLOCK = np.ones((5, 5, 5), np.bool_)
+BLOCK[2, 2, 2:] = BLOCK[3, 2, 2] = False
+NEEDLE = np.array([[[35, 25, 25], [25, 25, 25], [25, 25, 25]], [[25, 25, 25], [25, 25, 80], [25, 25, 80]]])
 
 
 @pytest.mark.parametrize(
@@ -102,6 +133,29 @@ TURNED = np.concatenate([STOCK[:1, ::-1], STOCK[1:]])
         # Solids that touch have walls twice, and an inside.
         (box((140, 40, 40), (160, 60, 60)), CORNER, State.INSIDE, "a"),
         (box((140, 140, 40), (160, 160, 60)), CORNER, State.OUTSIDE, None),
+        # Several bodies that have a vertex in common: with a facet turned round, and one of them mirrored.
+        (IN_BOTH, np.concatenate([TURNED, LEANING]), State.UNDECIDED, "a"),
+        (IN_BOTH, np.concatenate([STOCK, LEANING[:, ::-1]]), State.UNDECIDED, "a"),
+        (IN_BOTH, np.concatenate([STOCK, LEANING]), State.INSIDE, "a"),
+        # Two that are written with both sides, where they overlap.
+        (
+            box(60, 65),
+            np.concatenate([*(one[:, ::way] for way in (1, -1) for one in (STOCK, box(30, 170)))]),
+            State.UNDECIDED,
+            "a",
+        ),
+        # A solid within what is turned inside out; and cavities of two solids that overlap.
+        (box(45, 55), np.concatenate([box(0, 100, True), box(20, 80)]), State.UNDECIDED, "a"),
+        (
+            box(55, 60),
+            np.concatenate([STOCK, box(20, 120), box(40, 80, True), box(45, 85, True)]),
+            State.OUTSIDE,
+            None,
+        ),
+        # In a bent hole nothing sees the outside, but what comes out of it.
+        (probe((3, 2, 2)), cells(BLOCK), State.UNDECIDED, "a"),
+        (NEEDLE, cells(BLOCK), State.OUTSIDE, None),
+        (probe((2, 2, 3)), cells(BLOCK), State.OUTSIDE, None),
         # Where no part fits the other's box, nothing needs to be decided.
         (box(40, 60), box((0, 0, 0), (100, 100, 50))[1:], State.OUTSIDE, None),
     ],
@@ -187,3 +241,55 @@ def test_rays_in_other_directions_agree(rng):
             there, at = (x * large + (6 * large - (1 << (width - 1))) for x in (facets, points))
             assert (inside(at, there, shells_of(there))[0] == expected).all()
     assert within > 30
+
+
+def grown(part):
+    """Return cells with all that touch them, of an array with room around."""
+    steps = [np.roll(part, step, (0, 1, 2)) for step in np.ndindex(3, 3, 3) for step in [np.array(step) - 1]]
+    return np.any(steps, 0)
+
+
+def is_cavity(at, body, others):
+    """Return whether what hangs together with a cell of a body is within the others, and meets no wall."""
+    part = np.zeros_like(body)
+    part[at] = True
+    while (more := grown(part) & body).sum() > part.sum():
+        part = more
+    return bool((others | ~grown(part)).all())
+
+
+def test_nothing_in_a_body_is_ever_outside(rng):
+    """Bodies of cells that overlap and touch, each turned inside out or not, some with facets turned round.
+
+    But what is turned inside out within others is a cavity. Some stand half a cell aside, so that they cross
+    others, and have no vertices in common with them.
+    """
+    found = dict.fromkeys(State, 0)
+    for _ in range(60):
+        bodies = [rng.random((4, 4, 4)) < rng.choice([0.3, 0.6, 0.9]) for _ in range(rng.integers(1, 4))]
+        bodies = [np.pad(body, 2) for body in bodies if body.any()]
+        aside = rng.random(len(bodies)) < 0.3
+        surfaces = [cells(body) + 5 * moved for body, moved in zip(bodies, aside, strict=True)]
+        mirrored, spoilt = (rng.random(len(bodies)) < part for part in (0.3, 0.2))
+        for k, surface in enumerate(surfaces):
+            some = slice(None) if mirrored[k] else slice(int(rng.integers(len(surface))), None)
+            some = slice(some.start, some.start + 1) if spoilt[k] and not mirrored[k] else some
+            if mirrored[k] or spoilt[k]:
+                surface[some] = surface[some, ::-1].copy()
+        outer = solid_of(np.concatenate(surfaces))
+        # In half cells.
+        halves = [
+            np.roll(np.kron(body, np.ones((2, 2, 2), np.bool_)), moved, (0, 1, 2))
+            for body, moved in zip(bodies, aside.tolist(), strict=True)
+        ]
+        for at in map(tuple, rng.integers(4, 13, (12, 3)).tolist()):
+            state = enclosure(solid_of(box(5 * np.array(at) + 1, 5 * np.array(at) + 4)), outer).state
+            others = [np.any([*halves[:k], *halves[k + 1 :], 0 * halves[k]], 0) for k in range(len(halves))]
+            turned = np.flatnonzero(mirrored | spoilt)
+            cavity = any(halves[k][at] and is_cavity(at, halves[k], others[k]) for k in turned)
+            if np.any(halves, 0)[at] and not cavity:
+                assert state != State.OUTSIDE
+            elif not np.any(halves, 0)[at] and not len(turned):
+                assert state != State.INSIDE
+            found[state] += 1
+    assert min(found[state] for state in (State.INSIDE, State.OUTSIDE, State.UNDECIDED)) > 40, found

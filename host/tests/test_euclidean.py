@@ -8,7 +8,7 @@ import pytest
 
 from triaxis.golden.judge import judge
 from triaxis.host import scenes
-from triaxis.host.cli import main
+from triaxis.host.cli import ERROR, main
 from triaxis.host.engines import scene_engine
 from triaxis.host.euclidean import EuclideanEngine, euclidean_distance, squared_distance
 from triaxis.host.least import least_distance
@@ -94,6 +94,40 @@ def test_check_decides_by_the_coordinates_of_the_files(tmp_path, capsys):
         assert found == status and said in out, out
     # What is turned is rounded, and what is rounded is near within the band.
     assert check("0.501", "--rotate", "z", "45", "--rotate", "z", "-45")[0] == 1
+
+
+@pytest.mark.parametrize(
+    ("high", "wall", "more", "expected", "said"),
+    [
+        # Inside, and on a grid of 0.001 in touch: a finer one tells.
+        (9.9996, 10, (), 1, "inside"),
+        (9.9996, 10, ("--move", "0.0008", "9", "0"), 0, "CLEAR"),
+        (9.9996, 10, ("--surfaces-only",), 0, "surfaces only"),
+        (10.1, 10.4, ("--resolution", "1", "--clearance", "0.2"), 1, "inside"),
+        # No grid holds what is that large, and tells so close from touching.
+        (9.99999905, 10, (), ERROR, "on no grid of 32 bits"),
+    ],
+)
+def test_insides_are_asked_where_facets_do_not_touch(tmp_path, capsys, high, wall, more, expected, said):
+    files = [tmp_path / "a.stl", tmp_path / "b.stl"]
+    corners = high - 0.4 + 0.4 * np.array([[1, 1, 1], [1, -1, -1], [-1, 1, -1], [-1, -1, 1]]) - [0, 5, 5]
+    # The vertex that touches comes first.
+    scenes.write_stl(files[0], corners[[[0, 1, 2], [0, 3, 1], [0, 2, 3], [1, 3, 2]]])
+    outer = scenes.box((0, 0, 0), (wall, wall, wall))
+    scenes.write_stl(files[1], np.concatenate([outer, *([outer + 3e6] if expected == ERROR else [])]))
+    words = [
+        "check",
+        *map(str, files),
+        "--clearance",
+        "0",
+        "--distance",
+        "euclidean",
+        "--engine",
+        "bulk",
+        *more,
+    ]
+    status, told = main(words), capsys.readouterr()
+    assert status == expected and said in told.out + told.err, told
 
 
 def test_what_only_corners_bring_near_is_cleared_and_nothing_else(rng):

@@ -571,8 +571,11 @@ def test_nothing_comes_into_an_open_mesh_by_a_coarse_turn(checked, tmp_path):
     scenes.write_stl(tmp_path / "work.stl", scenes.box((-20, -20, 0), (20, 20, 20))[:-2])
     machine = MILL.replace('name = "bed"', 'name = "bed"\nmay_touch = ["table"]')
     machine = machine.replace('mesh = "tool.stl"', "parts = [{ diameter = 1, length = 1 }]")
-    status, said, _ = checked(machine, "G0 Z21\nC90")
+    status, said, report = checked(machine, "G0 Z21\nC90")
     assert status == 0, said
+    # Each that is open is named, and not only what was checked last.
+    assert said.count("not closed: 4 edges") == 1, said
+    assert {tuple(one["open_edges"]) for one in report["tools"]} == {(0, 4), (0, 0)}
 
 
 def test_axes_that_turn_may_be_off(checked):
@@ -605,6 +608,11 @@ def test_axes_that_turn_may_be_off(checked):
         ("length = 50", "", "the length of each is needed"),
         ('name = "bed"', 'name = "bed"\nmay_touch = ["sadle"]', "object 1, bed: 'may_touch'"),
         ('name = "bed"', 'name = "bed"\nmay_touch = "saddle"', "object 1, bed: 'may_touch'"),
+        (
+            'name = "bed"',
+            'name = "bed"\nmay_touch = ["bed"]',
+            "object 1, bed: 'may_touch': must be of others",
+        ),
         ('name = "bed"', 'name = "bed"\nweight = 5', "object 1, bed: 'weight': not known"),
         ("loaded = 1", "loaded = 1\nturn_tolerance = -1", "'turn_tolerance': must be not negative"),
         (
