@@ -8,7 +8,6 @@ both round to binary.
 import re
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
-from fractions import Fraction
 from pathlib import Path
 
 from triaxis.golden.errors import InputError
@@ -36,7 +35,10 @@ POLAR = "@^"
 _MOST_LINES, _MOST_CALLS = 2_000_000, 50
 
 _PLAIN = re.compile(rf"([A-Za-z])[ \t]*([+-]?(?:{NUMBER}))", re.ASCII)
-LINE_END = re.compile(r"\r\n|\n|\r")
+LINE_END = re.compile(r"\r*\n")
+CARRIAGE_RETURN = (
+    "the line has a carriage return in it, a blank to some controls, and its end to others: correct it"
+)
 _FLOW = re.compile(r"(?:N\d+\s*)?O\s*(?=[\d<#\[])", re.IGNORECASE | re.ASCII)
 _FLOW_NAME, _FLOW_WORD = re.compile(r"<([^<>]*)>|(\d+)", re.ASCII), re.compile(r"[A-Za-z]+", re.ASCII)
 _SUBROUTINE = re.compile(r"[\w-]{1,64}", re.ASCII)
@@ -44,6 +46,9 @@ _ENDS = {"sub": ("endsub",), "if": ("elseif", "else", "endif"), "elseif": ("else
          "else": ("endif",), "while": ("endwhile",), "do": ("while",), "repeat": ("endrepeat",)}  # fmt: skip
 # Words of macro programs, which stand where a letter and a number would.
 _MACRO = re.compile(r"(?:IF|WHILE|GOTO|DO|END)(?=\s*[\d\[#])", re.IGNORECASE | re.ASCII)
+# Of a repeat that is left LinuxCNC goes on to count where it comes there again.
+_COUNT_KEPT = "a control may go on with its count the next time: write it as a while"
+BOTH_PLACES = "is called before it is defined, and {} has one of its name, which a control takes: keep one"
 _OTHER_FLOW = ("call", "return", "break", "continue", "endsub", "endif", "endwhile", "endrepeat")
 
 
@@ -119,6 +124,8 @@ def read_lines(path: Path) -> Iterator[Line | _Flow]:
     for count, line in enumerate(LINE_END.split(text), 1):
         place = Place(path, count)
         try:
+            if "\r" in line.rstrip("\r"):
+                raise place.error(line.split("\r")[0][-20:].strip(), CARRIAGE_RETURN)
             body = _without_comments(place, line).strip()
             if body == "%":
                 closed = started
@@ -156,7 +163,10 @@ def _without_comments(place: Place, line: str) -> str:
 def _line(place: Place, body: str) -> Line | _Flow:
     optional = body.startswith("/")
     rest = body.removeprefix("/").lstrip()
-    if not optional and (match := _FLOW.match(rest)):
+    match = _FLOW.match(rest)
+    if optional and match:
+        raise place.error(body.split()[0], "an O word that may be left out: begin its line without /")
+    if match:
         flow = _flow(place, rest, match.end())
         if flow is not None:
             return flow
@@ -248,6 +258,8 @@ class Execution:
         """
         self._path, self._memory, self._skip = path, memory, skip_optional
         self._subroutines: dict[str, _Flow] = {}
+        # What the program has come by, as a control does; the loops that repeat just now.
+        self._defined, self._repeating = set[str](), set[int]()
         self._held = 0
         self._program = self._parsed(path)
         self._ran = self._depth = self._next = self._line = 0
@@ -263,6 +275,8 @@ class Execution:
     def refuse_following(self) -> None:
         """Raise InputError where anything would run after the block that was yielded last, in any case."""
         for statement in self._program[self._next :]:
+            if isinstance(statement, _Flow) and statement.does == "sub":
+                continue
             words = statement.words if isinstance(statement, Line) else ()
             if isinstance(statement, Line) and statement.wrong is not None:
                 raise statement.wrong
@@ -301,7 +315,6 @@ class Execution:
                             f"O<{_named(line)}>", "a second subroutine of its name: keep one"
                         )
                     self._subroutines[_named(line)] = line
-                    continue
             elif line.does.startswith("end"):
                 return found, line
             found.append(line)
@@ -383,9 +396,12 @@ class Execution:
         does, memory = flow.does, self._memory
         if does == "call":
             yield from self._call(flow)
+        elif does == "sub":
+            # To a control the value of its end may be one that it returns.
+            memory.common.pop("_value", None)
+            self._defined.add(_named(flow))
         elif does == "return":
-            if flow.values:
-                memory.common["_value"] = self._value(flow.place, "O", flow.values[0])
+            self._returned(flow)
             raise _Return(flow.place)
         elif does in ("break", "continue"):
             raise _LoopLeft(flow.place, self._name(flow), does)
@@ -403,6 +419,8 @@ class Execution:
         assert flow.end
         name, left = self._name(flow), 0
         if flow.does == "repeat":
+            if id(flow) in self._repeating:
+                raise flow.place.error("O", f"repeats while it does already: {_COUNT_KEPT}")
             left = round(self._value(flow.place, "O", flow.values[0]))
             if left > _MOST_LINES:
                 raise flow.place.error("O", f"repeats more than {_MOST_LINES} times: correct it")
@@ -419,22 +437,32 @@ class Execution:
             first = False
             # An empty loop that does not end has lines, too.
             self._count(flow)
+            self._repeating |= {id(flow)} if flow.does == "repeat" else set()
             try:
                 yield from self._run(flow.body)
-            except _LoopLeft as leave:
-                if leave.args[1] != name:
+            except (_LoopLeft, _Return) as leave:
+                ours = isinstance(leave, _LoopLeft) and leave.args[1] == name
+                if not ours and flow.does == "repeat":
+                    place: Place = leave.args[0]
+                    raise place.error("O", f"leaves a repeat before its end: {_COUNT_KEPT}") from leave
+                if not ours:
                     raise
                 if leave.args[2] == "break":
                     return
+            finally:
+                self._repeating.discard(id(flow))
 
     def _call(self, flow: _Flow) -> Iterator[Block]:
         memory = self._memory
         name = self._name(flow)
-        memory.common["_value"] = Fraction(0)
+        beside = self._path.parent / f"{name}.ngc"
         if name not in self._subroutines:
-            beside = self._path.parent / f"{name}.ngc"
             if beside.exists():
                 self._parsed(beside)
+        elif (
+            name not in self._defined and self._subroutines[name].place.path == self._path and beside.exists()
+        ):
+            raise flow.place.error(f"O<{name}>", BOTH_PLACES.format(beside.name))
         subroutine = self._subroutines.get(name)
         if subroutine is None or subroutine.end is None:
             raise flow.place.error(f"O<{name}>", f"no such subroutine here or in {name}.ngc: add it")
@@ -442,17 +470,25 @@ class Execution:
         if self._depth > _MOST_CALLS:
             raise flow.place.error(f"O<{name}>", f"more than {_MOST_CALLS} calls within calls: correct it")
         values = [self._value(flow.place, "O", value) for value in flow.values]
+        # What the last call returned a control has until the next value; here it is known after its own.
+        memory.common.pop("_value", None)
         # What is not given has no value: to some controls it is 0, to others what the caller has.
         memory.frames.append(dict(enumerate(values, 1)))
         try:
             yield from self._run(subroutine.body)
-            if subroutine.end.values:
-                memory.common["_value"] = self._value(flow.place, "O", subroutine.end.values[0])
+            self._returned(subroutine.end)
         except _Return:
             pass
         finally:
             memory.frames.pop()
             self._depth -= 1
+
+    def _returned(self, flow: _Flow) -> None:
+        """Take what a subroutine returns, where its end says it."""
+        if flow.values:
+            self._memory.common["_value"] = self._value(flow.place, "O", flow.values[0])
+        else:
+            self._memory.common.pop("_value", None)
 
 
 def _whole(value: Value) -> str:

@@ -55,6 +55,11 @@ _WITHIN_CYCLES = (
 _TOLD = 12
 
 
+def _whole(word: Word) -> int:
+    """Return a whole number, of which a computed one may fall short by a little."""
+    return int(exact(word.value))
+
+
 def _named(axes: tuple[int, ...]) -> str:
     return " and ".join(sorted(_AXES[k] for k in axes))
 
@@ -193,7 +198,7 @@ class Interpreter:
             self._only_nurbs(block)
         self._set_modal(place, codes, words)
         if "T" in words:
-            self.chosen = int(words["T"].value)
+            self.chosen = _whole(words["T"])
         for word in codes.get("tool change", ()):
             self._change_tool(place, word, words)
         if "M60" in on_line:
@@ -325,7 +330,7 @@ class Interpreter:
     def _change_tool(self, place: Place, word: Word, words: dict[str, Word]) -> None:
         if word.code == "M61" and "Q" not in words:
             raise place.error(word.text, "which tool it is: give Q")
-        number = int(words["Q"].value) if word.code == "M61" else self.chosen
+        number = _whole(words["Q"]) if word.code == "M61" else self.chosen
         if self.machine.tools:
             if number is None:
                 why = "changes to the tool that the control has selected, which nobody says: give T before it"
@@ -345,7 +350,7 @@ class Interpreter:
         self.offset, self.compensation = None, ORIGIN
         if word.code == "G49":
             return
-        number = int(words["H"].value) if "H" in words else self.loaded
+        number = _whole(words["H"]) if "H" in words else self.loaded
         if "H" in words and number == 0 != self.loaded:
             why = "the tool in the spindle to some controls, and tool 0 to others: say which, by its number"
             raise place.error(words["H"].text, why)
@@ -443,7 +448,7 @@ class Interpreter:
         """Do G10 L2, which gives the zero of a system in machine coordinates, or L20, which gives it by where
         the tool is.
         """
-        kind, number = (int(words[k].value) if k in words else -1 for k in "LP")
+        kind, number = (_whole(words[k]) if k in words else -1 for k in "LP")
         if kind not in (2, 20) or not 0 <= number <= len(SYSTEMS):
             return self.refuse(
                 place, word, "only G10 L2 and L20 of a system 0 to 9 are followed: write them so"
@@ -562,7 +567,7 @@ class Interpreter:
         given = {letter: self.length(place, words[letter]) for letter in "IJKR" if letter in words}
         if motion in ARCS:
             plane, clockwise = _PLANES[self.modal.plane], motion == "G2"
-            turns = int(words["P"].value) if "P" in words else 1
+            turns = _whole(words["P"]) if "P" in words else 1
             if turns < 1:
                 raise ValueError("an arc of no turns: give P1 or more")
             if "R" in given:
@@ -606,7 +611,7 @@ class Interpreter:
             raise place.error(word.text, "a NURBS without a feed: give F on the line or before it")
         weight = exact(words["P"].value) if "P" in words else None
         if begun is None:
-            order = int(words["L"].value) if "L" in words else 3
+            order = _whole(words["L"]) if "L" in words else 3
             if order < 3:
                 raise place.error(words["L"].text, "the order of a NURBS is 3 or more: correct it")
             first = weight if weight and not axes else Fraction(1)
@@ -709,7 +714,7 @@ class Interpreter:
 
         if old < clear != self.position[c]:
             self._line(place, at(self.position, clear), rapid=True)
-        for again in range(int(words["L"].value) if "L" in words else 1):
+        for again in range(_whole(words["L"]) if "L" in words else 1):
             if again and relative:
                 # A step of the angle goes on from where the last one led.
                 step = {letter: words[letter] for letter in POLAR if letter in words}

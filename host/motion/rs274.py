@@ -27,7 +27,7 @@ from triaxis.golden.input_file import Place, read_input
 from triaxis.host.engines import Progress, unwatched
 from triaxis.host.motion.curves import SLACK, Curve, Turned, arc
 from triaxis.host.motion.expression import ARGUMENTS, NO_VALUE, number
-from triaxis.host.motion.gcode import AFTER_THE_END, LINE_END
+from triaxis.host.motion.gcode import AFTER_THE_END, BOTH_PLACES, CARRIAGE_RETURN, LINE_END
 from triaxis.host.motion.interpreter import PALLET, RESTORES
 from triaxis.host.motion.kinematics import ROTARY
 from triaxis.host.motion.machine import SYSTEMS, Machine
@@ -149,14 +149,17 @@ class _Told:
         if unit != self.unit and any(self.offsets["compensation"]):
             raise ValueError("a change of units while G43 is in force, which it mistakes: give G49 before it")
         self.unit = unit
-        if line:
+        if line and not self.moves:
             self.notes["units"] = ""
 
     def _path_mode(self, line: int, text: str) -> None:
         mode, *tolerance = text.split(", ")
-        self.tolerance, self.notes["path mode"] = Fraction(0), ""
+        self.tolerance = Fraction(0)
+        if all(move.rapid for move in self.moves):
+            self.notes["path mode"] = ""
         if mode == "CANON_CONTINUOUS":
-            self.tolerance = number(tolerance[0]) * self.unit
+            given = number(tolerance[0])
+            self.tolerance = (given + _HALF) * self.unit if given else given
             if not self.tolerance and self.machine.tolerance is None:
                 raise ValueError(
                     "lets the control round corners: give P, or path_tolerance in a machine file"
@@ -203,7 +206,7 @@ class _Told:
         self._set("system", line, values[1:], numbers[1:])
 
     def _joined(self, values: list[Fraction]) -> None:
-        self.joined = values[0]
+        self.joined = values[0] + _HALF * self.unit if values[0] else values[0]
 
     def _place(self, position: list[Fraction], is_there: bool = True) -> Vector:
         """Return where the spindle's nose is, in the frame of WORK.stl, or where it never is."""
@@ -475,13 +478,21 @@ def _take(state: _Told, calls: Iterable[str], progress: Progress) -> int | None:
 
 # What the interpreter would take for 0, in words that say that it is needed: of lines without blanks.
 _ANY_WORD, _END = r"[gm][\[#]", r"(\.0*)?(?![\d.])"
+# None of the patterns below knows a number that is written so, and nobody needs to.
+_FUNCTION = "abs|acos|asin|atan|cos|exists|exp|fix|fup|ln|round|sin|sqrt|tan"
+_SIGNED = re.compile(rf"[gml](?:[+-]|(?:{_FUNCTION})\[)")
 _MACHINE_WORDS = re.compile(rf"g0*(53|28|30){_END}|g0*10{_END}(?=.*l0*2{_END}|.*l[\[#])|{_ANY_WORD}")
 _HOMES = {name: re.compile(rf"g0*{name[1:]}{_END}|{_ANY_WORD}") for name in ("G28", "G30")}
 _LENGTH_WORDS = re.compile(rf"g0*43(\.0*[12]?)?(?!\d)|g0*10{_END}(?=.*l0*1{_END}|.*l[\[#])|{_ANY_WORD}")
 _RADIUS_WORDS = re.compile(rf"g0*4[12](\.0*1?)?(?!\d)|{_ANY_WORD}")
 _ANY_HOME, _BY_LINEAR = re.compile(rf"g0*(28|30){_END}"), re.compile(r"(?!.*[abc])(?=.*[xyz]).*")
 _CHANGES, _COMPENSATES = (re.compile(rf"{word}{_END}|{_ANY_WORD}") for word in ("m0*6", "g0*4[39]"))
-_LOADING = re.compile(rf"m0*61{_END}")
+_LOADING = re.compile(rf"m0*61{_END}|m[\[#]")
+_BY_FIXTURE = re.compile(rf"g0*10{_END}(?=.*l0*11{_END}|.*l[\[#])|{_ANY_WORD}")
+_SET_CONTROLS = re.compile(r"#(\d+)=")
+# Lines of a program that is called by M98, which begin with its number; and what ends one.
+_NUMBERED_PROGRAM, _ENDS_PROGRAM = re.compile(r"(?:n\d+)?o\d+$"), re.compile(rf"m0*99{_END}|m[\[#]")
+_ENDS_ALL = re.compile(rf"m0*(2|30){_END}")
 _RESTORING, _SHIFTING = re.compile(r"g0*92\.30*(?!\d)|g[\[#]"), re.compile(rf"g0*(92(\.10*)?|52){_END}")
 _TURNS = re.compile(rf"g0*10{_END}|{_ANY_WORD}")
 _READ_NAME = re.compile(r"#<[^>]*>(?!=)")
@@ -548,6 +559,8 @@ def _refuse_unknown(path: Path, lines: Sequence[str], machine: Machine) -> tuple
         (_RADIUS_WORDS, not tools or any(tool.diameter is None for tool in tools),
          "needs the diameter of each tool: give parts with diameters in a machine file"),
         (_LOADING, True, "its tool is not known to the interpreter: change tools with M6"),
+        (_BY_FIXTURE, not {"G54", "G59.3"} <= machine.offsets.keys(),
+         "sets a tool by the zero of G59.3: give the offsets of G54 and G59.3 in a machine file"),
         (_INDIRECT, True, "may be any parameter: name it, or leave --reader out"),
         (_COMPUTED, True, "an O word whose name is computed: name it, or leave --reader out"),
         (_NO_BOUNDS, True, "a subroutine that may be left out: begin its lines without /"),
@@ -561,6 +574,13 @@ def _refuse_unknown(path: Path, lines: Sequence[str], machine: Machine) -> tuple
         shift_known = called = any_flow = False
         for count, line in enumerate(text, 1):
             words = _NAME.sub("#", line)
+            if match := _SIGNED.search(re.sub("<[^>]*>", "<>", words)):
+                why = "a number with a sign, or of a function, that says what is done: write the number alone"
+                raise Place(file, count).error(match[0], why)
+            for key in map(int, _SET_CONTROLS.findall(line)):
+                if key >= _CONTROLS:
+                    why = "sets what is the control's, which only it has as it is: use another, below 5000"
+                    raise Place(file, count).error(f"#{key}", why)
             if _RESTORING.search(words) and not shift_known:
                 raise Place(file, count).error("G92.3", RESTORES)
             any_flow |= _ANY_FLOW.match(line) is not None
@@ -584,12 +604,25 @@ def _refuse_unknown(path: Path, lines: Sequence[str], machine: Machine) -> tuple
                 # The last value that a subroutine has returned, of this program once it has called one.
                 if not (known or free or (name == "<_value>" and called)):
                     raise Place(file, count).error(f"#{name}", NO_VALUE)
+    _refuse_beginning_anew(path, texts[path])
     ends = [count for count, line in enumerate(texts[path], 1) if line == "%"]
     closed = ends[1] if len(ends) > 1 else ends[0] if ends and any(texts[path][: ends[0] - 1]) else None
     for count, line in enumerate(texts[path], 1):
         if closed is not None and count > closed and line:
             raise Place(path, count).error(line[:20], AFTER_THE_END)
     return any(_TURNS.search(line) for text in texts.values() for line in text), files[1:]
+
+
+def _refuse_beginning_anew(path: Path, lines: Sequence[str]) -> None:
+    """Raise InputError where M99 may end the program itself, which a control then runs again for ever."""
+    ended = called = False
+    for count, line in enumerate(lines, 1):
+        ended |= _ENDS_ALL.search(line) is not None
+        # A number that stands before the program's end may be its own.
+        called |= ended and _NUMBERED_PROGRAM.match(line) is not None
+        if not called and (match := _ENDS_PROGRAM.search(_NAME.sub("#", line))):
+            why = "begins the program anew, for ever: end it with M2, and begin what M98 calls after that"
+            raise Place(path, count).error(match[0], why)
 
 
 def _with_names(texts: Mapping[Path, Sequence[str]]) -> dict[Path, list[str]]:
@@ -665,7 +698,11 @@ def _split(line: str) -> list[str]:
 
 
 def _lines_of(path: Path) -> list[str]:
-    return LINE_END.split(read_input(path).decode("utf-8", errors="replace"))
+    lines = LINE_END.split(read_input(path).decode("utf-8", errors="replace").rstrip("\r"))
+    for count, line in enumerate(lines, 1):
+        if "\r" in line:
+            raise Place(path, count).error(line.split("\r")[0][-20:].strip(), CARRIAGE_RETURN)
+    return lines
 
 
 def _called(path: Path, lines: Sequence[str]) -> list[Path]:
@@ -674,8 +711,17 @@ def _called(path: Path, lines: Sequence[str]) -> list[Path]:
     defined, names = set(_DEFINED.findall(text)), set(_CALLED.findall(text))
     if names & {"[", "#"}:
         raise InputError(f"{path}: calls a subroutine whose name is computed: name it, or leave --reader out")
-    beside = [path.parent / f"{name.strip('<>')}.ngc" for name in sorted(names - defined)]
-    return [file for file in beside if file.exists()]
+    files = {name: path.parent / f"{name.strip('<>')}.ngc" for name in sorted(names)}
+    here = {name: file for name, file in files.items() if file.exists()}
+    for name in here.keys() & defined:
+        # A control takes what it has come by, and else the file.
+        calls, bounds = (
+            [count for count, line in enumerate(lines, 1) if name in words.findall(line)]
+            for words in (_CALLED, _DEFINED)
+        )
+        if calls[0] < bounds[0]:
+            raise Place(path, calls[0]).error(f"O{name}", BOTH_PLACES.format(here[name].name))
+    return [file for name, file in here.items() if name not in defined]
 
 
 def _tool_table(machine: Machine) -> str:
