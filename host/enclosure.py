@@ -463,8 +463,9 @@ def _parts(mesh: str, inner: Solid, outer: Solid, moves: Integers) -> list[Part]
     around = "closed, but on all sides of something that its facets alone do not show to be outside"
     double, shut = np.zeros((2, len(shells.first)), np.bool_)
     possible = possible[~held[possible]]
-    double[possible] = between_sheets(facets[shells.first[possible], 0], outer.facets, hulls)
-    shut[possible] = shut_in(inner, possible, outer)
+    if len(possible):
+        double[possible] = between_sheets(facets[shells.first[possible], 0], outer.facets, hulls)
+        shut[possible] = shut_in(inner, possible, outer)
     whys = (
         (held, None), (doubted, opened), (mirrored, crossed), (double, both), (mixed, turned), (shut, around),
     )  # fmt: skip
