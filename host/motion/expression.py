@@ -21,7 +21,7 @@ Key = int | str
 _DIGITS = 18
 NUMBER = r"\d+\.?\d*|\.\d+"
 _NUMBER, _NAME = re.compile(NUMBER, re.ASCII), re.compile(r"<([^<>\[\]#]+)>")
-_OPERATOR = re.compile(r"\*\*|[-+*/]|(?:mod|and|xor|or|eq|ne|gt|ge|lt|le)(?![a-z])", re.IGNORECASE)
+_OPERATOR = re.compile(r"\*\*|[-+*/]|(?:mod|and|xor|or|eq|ne|gt|ge|lt|le)", re.IGNORECASE)
 _WORD = re.compile(r"[a-z]+", re.IGNORECASE)
 # Numbers nearer than this are equal to some controls, and to some versions of one, and not to others.
 _EQUAL = 1e-4
