@@ -579,7 +579,7 @@ def _refuse_unknown(path: Path, lines: Sequence[str], machine: Machine) -> tuple
                 raise Place(file, count).error(match[0], why)
             for key in map(int, _SET_CONTROLS.findall(line)):
                 if key >= _CONTROLS:
-                    why = "sets what is the control's, which only it has as it is: use another, below 5000"
+                    why = "sets what is the control's: say it by G10, or in a machine file"
                     raise Place(file, count).error(f"#{key}", why)
             if _RESTORING.search(words) and not shift_known:
                 raise Place(file, count).error("G92.3", RESTORES)
