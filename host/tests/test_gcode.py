@@ -868,6 +868,17 @@ def zero_of(file):
 
 
 @pytest.mark.skipif(shutil.which("rs274") is None, reason="rs274 (linuxcnc-uspace) is not installed")
+def test_tolerances_are_not_less_than_the_program_gives(tmp_path):
+    """Of 0.00014 inch LinuxCNC prints 0.0001."""
+    program, slacks = tmp_path / "p.ngc", list[Fraction]()
+    for mode in ("G61", "G64 P0.00014", "G64 P0.00014 Q0.00014"):
+        program.write_text(f"G20 {mode}\nG1 F9 X1\nX2 Y1\n")
+        slacks.append(read_by_rs274(program, ORIGIN, False, Machine()).moves[-1].slack)
+    given = Fraction("0.00014") * Fraction("25.4")
+    assert slacks[1] - slacks[0] >= given and slacks[2] - slacks[0] >= 2 * given
+
+
+@pytest.mark.skipif(shutil.which("rs274") is None, reason="rs274 (linuxcnc-uspace) is not installed")
 def test_arcs_of_turned_systems(tmp_path):
     """What R of G10 turns is the path of the same program without it, turned about the zero."""
     program, file = tmp_path / "p.ngc", tmp_path / "machine.toml"
