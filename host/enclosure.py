@@ -253,42 +253,39 @@ def _six_ways(points: Integers, facets: Integers) -> Iterator[tuple[Integers, In
             yield here, there, _crossings(here, there)
 
 
-def between_sheets(points: Integers, facets: Integers, shells: Shells) -> Mask:
-    """Return which points (K, 3), outside of closed shells, may be inside sheets of theirs: (K,)."""
-    used = np.flatnonzero(shells.closed[shells.number])
-    facets, oriented = facets[used], shells.oriented[shells.number[used]]
-    odd, ways = np.zeros(len(points), np.bool_), np.zeros(len(points), np.int64)
-    for here, there, (point, facet, sign) in _six_ways(points, facets):
-        order = np.argsort(point, kind="stable")
-        for rows in np.split(order, np.flatnonzero(np.diff(point[order])) + 1) if len(order) else ():
-            k = int(point[rows[0]])
-            met = facet[rows]
-            sheets = _sheets(here[k], there[met], sign[rows], oriented[met])
-            odd[k] |= sheets % 2 == 1
-            ways[k] += sheets > 0
-    return odd | (ways == _WAYS)
-
-
-def shut_in(inner: Solid, parts: Integers, outer: Solid) -> Mask:
-    """Return which shells (K,) of the inner mesh a closed shell of the outer one has around them, though by
-    its own winding number, or odd and even, it does not hold them: (K,).
+def _doubted(inner: Solid, parts: Integers, outer: Solid) -> tuple[Mask, Mask]:
+    """Return which shells (K,) of the inner mesh, outside of the closed ones of the outer, may be inside
+    sheets of theirs; and which one of these has around it, though by its own winding number, or odd and even,
+    it does not hold it.
 
     The inner shell meets nothing of the outer mesh, so it is where any of its vertices is.
     """
     facets, hulls = outer.facets, outer.shells
     firsts = inner.facets[inner.shells.first[parts], 0]
+    of, shell, turns, passed = _turns(firsts, facets, hulls)
+    holds = turns + passed != 0
+    holding = set(zip(of[holds].tolist(), shell[holds].tolist(), strict=True))
     used = np.flatnonzero(hulls.closed[hulls.number])
-    point, shell, turns, passed = _turns(firsts, facets, hulls)
-    holding = set(zip(point[turns + passed != 0].tolist(), shell[turns + passed != 0].tolist(), strict=True))
-    seen = Counter[tuple[int, int]]()
-    for _, _, (of, facet, _) in _six_ways(firsts, facets[used]):
-        seen.update(set(zip(of.tolist(), hulls.number[used][facet].tolist(), strict=True)))
-    found = np.zeros(len(parts), np.bool_)
-    for (k, one), ways in sorted(seen.items()):
-        if ways == _WAYS and (k, one) not in holding and not found[k]:
+    number, oriented = hulls.number[used], hulls.oriented[hulls.number[used]]
+    odd, ways, seen = (
+        np.zeros(len(parts), np.bool_),
+        np.zeros(len(parts), np.int64),
+        Counter[tuple[int, int]](),
+    )
+    for here, there, (point, facet, sign) in _six_ways(firsts, facets[used]):
+        seen.update(set(zip(point.tolist(), number[facet].tolist(), strict=True)))
+        order = np.argsort(point, kind="stable")
+        for rows in np.split(order, np.flatnonzero(np.diff(point[order])) + 1) if len(order) else ():
+            k, met = int(point[rows[0]]), facet[rows]
+            sheets = _sheets(here[k], there[met], sign[rows], oriented[met])
+            odd[k] |= sheets % 2 == 1
+            ways[k] += sheets > 0
+    shut = np.zeros(len(parts), np.bool_)
+    for (k, one), count in sorted(seen.items()):
+        if count == _WAYS and (k, one) not in holding and not shut[k]:
             vertices = np.unique(inner.facets[inner.shells.number == parts[k]].reshape(-1, 3), axis=0)
-            found[k] = _all_meet(_some_of(vertices), facets[hulls.number == one])
-    return found
+            shut[k] = _all_meet(_some_of(vertices), facets[hulls.number == one])
+    return odd | (ways == _WAYS), shut
 
 
 def _all_meet(points: Integers, facets: Integers) -> bool:
@@ -464,8 +461,7 @@ def _parts(mesh: str, inner: Solid, outer: Solid, moves: Integers) -> list[Part]
     double, shut = np.zeros((2, len(shells.first)), np.bool_)
     possible = possible[~held[possible]]
     if len(possible):
-        double[possible] = between_sheets(facets[shells.first[possible], 0], outer.facets, hulls)
-        shut[possible] = shut_in(inner, possible, outer)
+        double[possible], shut[possible] = _doubted(inner, possible, outer)
     whys = (
         (held, None), (doubted, opened), (mirrored, crossed), (double, both), (mixed, turned), (shut, around),
     )  # fmt: skip

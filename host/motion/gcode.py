@@ -221,7 +221,7 @@ def _flow(place: Place, text: str, at: int) -> _Flow | None:
             name = lambda _: fixed  # noqa: E731
         else:
             value = scanner.value()
-            name = lambda memory: _whole(value(memory))  # noqa: E731
+            name = lambda memory: _numeral(value(memory))  # noqa: E731
         scanner.blanks()
         word = _FLOW_WORD.match(text, scanner.at)
         if word is None:
@@ -491,7 +491,7 @@ class Execution:
             self._memory.common.pop("_value", None)
 
 
-def _whole(value: Value) -> str:
+def _numeral(value: Value) -> str:
     number = exact(value)
     if number.denominator != 1:
         raise ValueError("a name that is a number is a whole one: correct it")
