@@ -276,9 +276,14 @@ def _run_all(
     """
     counted: list[_Counted] = []
     with ThreadPoolExecutor(_JOBS) as threads:
-        for one in threads.map(_Counted.make, models):
-            counted.append(one)
-            progress(1)
+        try:
+            for one in threads.map(_Counted.make, models):
+                counted.append(one)
+                progress(1)
+        except BaseException:
+            # An error or an interrupt: start nothing more.
+            threads.shutdown(wait=False, cancel_futures=True)
+            raise
     tests = [one.tests(seed, pairs) for one in counted]
     with closing(
         results_in_processes(_Test.run, [one for some in tests for one in some], workers=_JOBS)

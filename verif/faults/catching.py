@@ -63,8 +63,9 @@ def _catch_all(
     folders = [faulty_rtl(fault, dut) if fault.patch else dut for fault in chosen]
     outcomes: list[Outcome] = []
     with ThreadPoolExecutor(_JOBS) as pool:
-        tries = [pool.submit(_tried, *each, seed) for each in zip(chosen, folders, strict=True)]
+        # It runs every test to its end, and takes longest.
         healthy = pool.submit(control, chosen, seed, dut)
+        tries = [pool.submit(_tried, *each, seed) for each in zip(chosen, folders, strict=True)]
         try:
             for fault, future in zip(chosen, tries, strict=True):
                 # Shrinking and drawing are for the main thread, beside the tries of other faults.

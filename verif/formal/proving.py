@@ -104,9 +104,14 @@ def prove_all(
     with FileLock(folder / ".lock"), ThreadPoolExecutor(jobs) as pool:
         before, start = rtl_hash(dut), time.monotonic()
         running = [pool.submit(outcome_of, proof, dut, folder / proof.name) for proof in chosen]
-        for future in as_completed(running):
-            outcomes[future.result().proof.name] = future.result()
-            progress(1)
+        try:
+            for future in as_completed(running):
+                outcomes[future.result().proof.name] = future.result()
+                progress(1)
+        except BaseException:
+            # An error or an interrupt: start nothing more.
+            pool.shutdown(wait=False, cancel_futures=True)
+            raise
         ordered = tuple(outcomes[proof.name] for proof in chosen)
         complete = len(chosen) == len(proofs())
         registers = _covered(ordered, dut, folder / "registers") if complete else None

@@ -4,7 +4,9 @@ opens for a sign-off of this very RTL that passed, and for nothing else.
 
 import json
 import re
+import time
 from dataclasses import replace
+from threading import Event
 
 import pytest
 
@@ -20,7 +22,8 @@ from triaxis.verif.mutation.record import FILE as RECORD
 from triaxis.verif.mutation.record import SEED
 from triaxis.verif.mutation.result import KILLED, Fate, MutationResult, known_result, write_result
 from triaxis.verif.signoff import parts as signoff_parts
-from triaxis.verif.signoff.gate import BESIDE, SOURCES, refusals, remarks
+from triaxis.verif.signoff import run as signoff_run
+from triaxis.verif.signoff.gate import BESIDE, PARTS, SOURCES, refusals, remarks
 from triaxis.verif.signoff.page import signoff_page
 from triaxis.verif.signoff.parts import Part
 from triaxis.verif.signoff.tests.signoff_evidence import (
@@ -32,6 +35,7 @@ from triaxis.verif.signoff.tests.signoff_evidence import (
     good_parts,
     signed,
 )
+from triaxis.verif.signoff.tests.test_signoff import GOOD
 
 
 def survivor(mutation):
@@ -273,6 +277,65 @@ def test_a_whole_sign_off_takes_no_mutant_from_the_record(tmp_path, monkeypatch,
     assert all(
         part and set(signed().content()["parts"]["mutation"]) - {"absent"} <= set(part) for part in found
     )
+
+
+def made(name, monkeypatch, act=lambda: None):
+    def part(*_):
+        act()
+        return {"part": name}
+
+    monkeypatch.setattr(signoff_run, f"{name}_part", part)
+
+
+@pytest.fixture
+def stubbed(monkeypatch):
+    """A sign-off whose parts cost nothing."""
+    monkeypatch.setattr(signoff_run.simulation, "simulate", lambda *_: replace(GOOD, coverage=[]))
+    monkeypatch.setattr(signoff_run.simulation, "as_evidence", lambda *_: {"part": "simulation"})
+    for name in PARTS:
+        if name != "simulation":
+            made(name, monkeypatch)
+    return monkeypatch
+
+
+def test_every_part_is_in_its_place_whatever_goes_on_beside_it(stubbed):
+    def refuse():
+        raise InputError("no compiler")
+
+    made("code_coverage", stubbed, refuse)
+    found = signoff_run.signoff(1, lambda _: None)
+    assert tuple(found.parts) == PARTS
+    assert found.parts["code_coverage"].absent == "no compiler"
+    assert all(
+        part.evidence and part.evidence["part"] == name
+        for name, part in found.parts.items()
+        if name != "code_coverage"
+    )
+    assert {span.name for span in found.timeline} == set(PARTS)
+
+
+@pytest.mark.parametrize("interrupted", ["faults", "mutation"])
+def test_an_interrupt_ends_what_goes_on_beside(stubbed, interrupted):
+    begun = Event()
+
+    def proofs_part(progress):
+        begun.set()
+        # As long as proofs may take; here a test that fails must end.
+        for _ in range(2000):
+            time.sleep(0.01)
+            progress(1)
+        return {"part": "proofs"}
+
+    def interrupt():
+        assert begun.wait(60)
+        raise KeyboardInterrupt
+
+    stubbed.setattr(signoff_run, "proofs_part", proofs_part)
+    made(interrupted, stubbed, interrupt)
+    told: list[int] = []
+    with pytest.raises(KeyboardInterrupt):
+        signoff_run.signoff(1, told.append)
+    assert sum(told) < 2000
 
 
 def test_findings_of_several_builds_are_one_and_named_with_the_first(monkeypatch):
