@@ -91,7 +91,7 @@ def pairs_until_caught(faults: Mapping[str, int | None]) -> str:
 
 
 def time_by_part(pieces: Mapping[str, tuple[float, float, float]]) -> str:
-    """Return bars from the begin to the end of each piece, labelled with its seconds of the processor."""
+    """Return bars from the begin to the end of each piece, labelled with the processor's seconds of it."""
 
     def draw(axes: Axes) -> None:
         begins, ends, processor = zip(*pieces.values(), strict=True) if pieces else ((), (), ())
@@ -100,7 +100,7 @@ def time_by_part(pieces: Mapping[str, tuple[float, float, float]]) -> str:
         bars = axes.barh(list(pieces), widths, left=begins, color=colours, height=0.65)
         axes.bar_label(bars, [f"{value:.0f} s" for value in processor], padding=3, fontsize=8)
         axes.set_xlim(0, max(ends, default=1) * 1.15)
-        axes.set_xlabel("seconds; beside each bar, those of the processor")
+        axes.set_xlabel("seconds; beside each bar, those of the processor for all that went on meanwhile")
         axes.invert_yaxis()
 
     return _drawn("Time", 0.9 + 0.22 * len(pieces), draw, width=9.0)
