@@ -88,9 +88,11 @@ class Page:
         self.tell(scene=self._version + 1, pieces=len(ends) - 1, permitted=0, verdict=None, stopped=None)
 
     def tell(self, **changes: object) -> None:
-        """Change what the page says."""
+        """Change what the page says; a verdict begins to age."""
         with self._changed:
-            self._state, self._since = {**self._state, **changes}, time.monotonic()
+            self._state |= changes
+            if "verdict" in changes:
+                self._since = time.monotonic()
             self._version += 1
             self._changed.notify_all()
 

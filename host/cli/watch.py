@@ -370,8 +370,8 @@ class _Display:
         """Show that from here on nothing is known."""
         if self._pins is not None:
             self._pins.known_until(0.0)
-        if self._page is not None and self._zones:
-            self._page.tell(zone=None)
+        if self._page is not None:
+            self._page.tell(verdict=None, **({"zone": None} if self._zones else {}))
         if self._zones and self._beyond is not None:
             print("zone: unknown", flush=True)
 

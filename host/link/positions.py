@@ -59,24 +59,25 @@ class Positions:
         """Yield the last position of all lines that are there, and a time at which it was not written yet.
 
         Lines that waited, as this process did not run or a control writes faster than they are read, came
-        after what was read before; the first of them may have been on its way for as long as that took. So
-        they are passed over where others are about to come.
+        after there was nothing: a reading takes all that is there of a pipe, and a line of a terminal. They
+        are passed over where others are about to come.
         """
         last: tuple[Position, float] | None = None
         # What has come of a line, and the time of that.
         rest, begun, waited = b"", 0.0, False
-        earlier = now = time.monotonic()
+        empty = time.monotonic()
         while True:
-            waits = self._is_there(0)
+            looked, waits = time.monotonic(), self._is_there(0)
+            if not waits:
+                empty = looked
             others = not waited if waits else waited and self._is_there(_SOON_SECONDS)
             if last is not None and not others:
                 yield last
                 last = None
             if not waits:
                 self._is_there(None)
-            waited, since = waits, earlier if waits else time.monotonic()
+            waited, since = waits, empty if waits else time.monotonic()
             part = os.read(self._descriptor, _PART)
-            earlier, now = now, time.monotonic()
             *lines, left = (rest + part).split(b"\n")
             for number, line in enumerate(lines):
                 position = read_position(line.decode(errors="replace"))

@@ -47,6 +47,11 @@ class Curve:
     def _point(self, part: float) -> Sequence[float]:
         raise NotImplementedError
 
+    @property
+    def turns(self) -> int:
+        """Return how often it goes round, rounded up; 1 where it does not."""
+        return 1
+
     def moved(self, by: Vector) -> "Curve":
         """Return the curve elsewhere."""
         return replace(self, start=added(self.start, by), end=added(self.end, by))
@@ -70,6 +75,11 @@ class Arc(Curve):
     radii: tuple[float, float]
     angle: float
     sweep: float
+
+    @property
+    def turns(self) -> int:
+        """Return how often it goes round, rounded up."""
+        return max(1, math.ceil(abs(self.sweep) / (2 * math.pi)))
 
     def _point(self, part: float) -> Sequence[float]:
         a, b, c = self.axes
@@ -106,6 +116,11 @@ class Turned(Curve):
     of: Curve
     angle: float
     by: Vector
+
+    @property
+    def turns(self) -> int:
+        """Return how often the curve goes round that is turned."""
+        return self.of.turns
 
     def _point(self, part: float) -> Sequence[float]:
         x, y, z = (float(c) for c in self.of.at(Fraction(part)))

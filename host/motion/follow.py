@@ -46,8 +46,8 @@ LONGEST = 65_535
 _LAGS = 10
 # For so long at least a tool is seen to stand at the end of a part: one that feeds slowly is not there yet.
 _STANDS_SECONDS = 0.1
-# Of a curve, places that it goes to besides its end.
-_QUARTERS = (Rational(1, 4), Rational(1, 2), Rational(3, 4))
+# Of each turn of a curve, or of one that makes none, places that it goes to.
+_QUARTERS = 4
 
 
 class StrayedError(InputError):
@@ -334,11 +334,13 @@ class Follower:
 
     def _still_to_come(self, number: int) -> Iterator[GridPoint]:
         """Yield places that a move goes to from where the tool is at least."""
-        segment = self.scene.segment(self.scene.program.moves[number])
+        move = self.scene.program.moves[number]
+        segment = self.scene.segment(move)
         yield segment.end
-        if segment.curve is not None:
+        if segment.curve is not None and move.curve is not None:
             come = self._part if number == self._move else Rational(0)
-            yield from (segment.curve[0](part) for part in _QUARTERS if part > come)
+            places = _QUARTERS * move.curve.turns
+            yield from (segment.curve[0](Rational(k, places)) for k in range(int(come * places) + 1, places))
 
     def moved(self, position: Vector, since: float = 0.0) -> None:
         """Take where the tool is, in millimetres, at a second; raise StrayedError where it may not be.

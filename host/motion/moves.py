@@ -83,7 +83,7 @@ class Move:
 class Program:
     """The moves of a file, and what was assumed in reading it, a line each.
 
-    ``changes``: whether the tool is changed after the last move.
+    ``changes``: whether the tool is changed after the last move, be it to the same one.
     """
 
     path: Path
@@ -93,8 +93,9 @@ class Program:
 
     @property
     def stretches(self) -> "list[Program]":
-        """Return the parts between which the tool is changed."""
-        changes = [k for k in range(1, len(self.moves)) if self.moves[k].tool != self.moves[k - 1].tool]
+        """Return the parts between which the tool is changed, be it to the same one."""
+        with_tool = [(move.tool, move.changes) for move in self.moves]
+        changes = [k for k in range(1, len(self.moves)) if with_tool[k] != with_tool[k - 1]]
         ends = zip([0, *changes], [*changes, len(self.moves)], strict=True)
         return [replace(self, moves=self.moves[start:end]) for start, end in ends]
 

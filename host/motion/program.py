@@ -57,7 +57,7 @@ def read_program(
     if state_note := assumed_state(lines, state.moves):
         state.notes["state"] = state_note
     state.notes |= machine.assumed
-    changes = (state.loaded or 0) != state.moves[-1].tool
+    changes = (state.loaded or 0, state.changes) != (state.moves[-1].tool, state.moves[-1].changes)
     return Program(path, tuple(state.moves), tuple(state.notes.values()), changes)
 
 

@@ -415,7 +415,7 @@ def read_by_rs274(
     if machine.tolerance is None and not all(move.rapid for move in state.moves):
         told = "without G61 or G64 the path is taken for exactly followed"
         state.notes.setdefault("path mode", f"line {line}: {told}")
-    changes = (state.loaded or 0) != state.moves[-1].tool
+    changes = (state.loaded or 0, state.changes) != (state.moves[-1].tool, state.moves[-1].changes)
     return Program(path, tuple(state.moves), tuple(filter(None, state.notes.values())), changes)
 
 

@@ -127,9 +127,12 @@ def test_every_place_of_the_path_is_in_a_piece_and_they_come_in_order(program, r
     [
         "G1 X10 F900\nX0\nX10\nX0", "G1 Z38 F900\nZ34\nZ38\nZ35\nZ30\nZ38", "G1 X-9 F900\nX9\nX0",
         "G0 Z35\nZ40", "G0 X9 Y9\nX0 Y0", "G2 X0 Y0 I10 F900", "G2 X0 Y0 I10 F900\nG2 X0 Y0 I10",
-        "G5 X60 I100 J0 P-100 Q90 F900\nG1 X61",
+        "G2 X0 Y0 I10 P4 F900", "G2 X0 Y0 I10 P5 F900", "G5 X60 I100 J0 P-100 Q90 F900\nG1 X61",
     ],
-    ids=["laps", "pecks", "passed by", "rapids", "oblique rapids", "circle", "circles", "spline"],
+    ids=[
+        "laps", "pecks", "passed by", "rapids", "oblique rapids", "circle", "circles", "four turns",
+        "five turns", "spline",
+    ],
 )  # fmt: skip
 def test_a_path_ends_where_it_ends_and_not_where_it_passes_over_that(lines, tmp_path):
     path = tmp_path / "program.nc"
@@ -139,7 +142,7 @@ def test_a_path_ends_where_it_ends_and_not_where_it_passes_over_that(lines, tmp_
     scene = replace(scene, program=replace(scene.program, moves=moves))
     follower = Follower(scene, cut(scene), SPEED, LAG)
     follower.permitted = len(follower.pieces)
-    counts = [160 if move.curve else 40 for move in moves]
+    counts = [160 * move.curve.turns if move.curve else 40 for move in moves]
     looks = [move.at(Fraction(k, n)) for move, n in zip(moves, counts, strict=True) for k in range(n)]
     seconds = 0.0
     for number, look in enumerate([*looks, moves[-1].end]):

@@ -554,8 +554,10 @@ def test_a_machine_file_says_what_a_program_does_not(read, tmp_path):
     assert [move.tool for move in read("T1 M6\nM6\nG0 X1", machine=with_empty).moves] == [1]
     with pytest.raises(InputError, match="changes the tool, and so its shape"):
         read("G0 X1\nM6\nG0 X2")
-    for text, changes in (("T2 M6", True), ("T2 M6\nT1 M6", False), ("", False)):
+    for text, changes in (("T2 M6", True), ("T2 M6\nT1 M6", True), ("T1 M6", True), ("", False)):
         assert read(f"T1 M6\nG0 X1\n{text}", machine=machine).changes == changes
+        # Whatever tool is there then.
+        assert len(read(f"T1 M6\nG0 X1\n{text}\nX2", machine=machine).stretches) == 1 + changes
     for text, tells in (("M0", False), ("M60", True)):
         notes = read(f"G0 X1\n{text}\nG0 X2", machine=machine).notes
         assert any("change of the pallet" in note for note in notes) == tells

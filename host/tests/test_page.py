@@ -109,6 +109,10 @@ def test_the_newest_state_is_sent_and_how_old_it_is(page, monkeypatch):
     found = states(page, 3)
     assert [state["line"] for state in found] == [6] * 3 and found[0]["pieces"] == 3
     assert all(one["age"] <= other["age"] for one, other in pairwise(found))
+    # A verdict is no younger for what is told beside it.
+    page._since -= 10
+    page.tell(zone="slow")
+    assert states(page, 1)[0]["age"] >= 10_000
 
 
 def test_the_last_news_is_sent_before_the_end(page, monkeypatch):

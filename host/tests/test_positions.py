@@ -106,12 +106,12 @@ def test_of_positions_that_waited_the_last_is_taken():
         ([(1, b"1 0 0\n"), (1, b"2 0 0\n")], [(1, 1), (2, 2.5)]),
         # What was there as soon as the one before was read, another moment after it: the last alone counts.
         ([(1, b"1 0 0\n"), (0, b"2 0 0\n3 0 0\n"), (0.001, b"4 0 0\n")], [(4, 2.001)]),
-        # No other comes soon: it may be as old as all that was read before.
+        # No other comes soon: it may be as old as the look that found nothing.
         ([(1, b"1 0 0\n"), (0, b"2 0 0\n"), (1, b"3 0 0\n")], [(2, 0), (3, 3)]),
         # In two parts: as old as the first.
         ([(1, b"1 0"), (1, b" 0\n")], [(1, 1)]),
-        # A control that is never waited for.
-        ([(1, b"1 0 0\n"), (0, b"2 0 0\n"), (0, b"3 0 0\n"), (1, b"4 0 0\n")], [(2, 0), (3, 1.5), (4, 3.5)]),
+        # A control that is never waited for, or one that waited, of which a line is read at a time.
+        ([(1, b"1 0 0\n"), (0, b"2 0 0\n"), (0, b"3 0 0\n"), (1, b"4 0 0\n")], [(2, 0), (3, 0), (4, 3.5)]),
     ],
 )
 def test_a_position_is_no_newer_than_is_known(arriving, reported, monkeypatch):

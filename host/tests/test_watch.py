@@ -377,6 +377,8 @@ def test_between_turns_a_machine_is_followed_by_what_stands_then(top, tmp_path, 
             ("G0 C0.015\nX1", "line 2: the angles at the end of this turn are passed, or nearly", TURNING),
             ("G0 C20", "no line moves X, Y or Z", TURNING),
             ("G0 Z30\nT2 M6 G43 H2\nC90\nT1 M6 G43 H1\nC0\nX5", "line 7: the same tool and angles", two),
+            ("G0 Z30\nT1 M6\nX5", "line 4: the same tool and angles", two),
+            ("G0 Z30\nT2 M6\nT1 M6\nX5", "line 5: the same tool and angles", two),
             ("G0 X1", "turn_tolerance: say by how many degrees C may be off", OBJECTS_WITHOUT),
         ):
             status, _, said = run(lines, text=text)
@@ -479,11 +481,13 @@ def test_the_command_follows_positions_and_says_how_far(top, tmp_path, capsys, m
         status, said = run("--simulate", "--surfaces-only", "--page", "0")
         assert (status, said.err) == (0, "") and "FOLLOWED: to the end of the program" in said.out
         assert "page: http://" in said.out
-        (facets, ends, title), *told = shown
+        (facets, ends, title), *told, over = shown
         assert np.array_equal(facets, TOOL) and title == f"{tool} along {program.name}"
         assert ends[0].tolist() == [0, 0, 40] and all(one["verdict"] == "clear" for one in told)
         assert [one["asked"] for one in told] == [*range(1, len(told) + 1)]
         assert told[-1]["permitted"] == len(ends) - 1 and told[-1]["position"] == pytest.approx([0, 0, 40])
+        # What was said says nothing any more.
+        assert over == {"verdict": None}
         # It comes down to 10 mm above the floor.
         shown.clear()
         zones = ["--slow", "12", "--warn", "17", "--hold", "60", "--lag", "20"]
