@@ -94,6 +94,8 @@ def other_rtl(waiver: Waiver, code: Mapping[str, str]) -> str | None:
     ``code``: the RTL, as `module_code` gives it. What drives the modules may have changed too: where that
     matters a waived bin is hit, which fails the run.
     """
+    if unknown := sorted({*waiver.rests_on} - {"*"} - code.keys()):
+        return f"{', '.join(unknown)}: no such module: correct its name"
     if waiver.reviewed == waiver.rtl_hash(code):
         return None
     return "its modules changed: read its reason again, then `triaxis coverage code --confirm-waivers`"

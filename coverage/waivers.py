@@ -104,6 +104,7 @@ CATEGORIES = {
 }
 KINDS = ("line", "branch", "expression", "toggle", "fsm", "antecedent", "generate")
 _REQUIRED = ("category", "reason", "owner", "reviewed", "kind", "modules")
+_INCLUDED = re.compile(r'^\s*`include\s+"([^"]+)"', re.MULTILINE)
 _COMMENTS = re.compile(r"//[^\n]*|/\*.*?\*/", re.DOTALL)
 _SHORTEST_REASON = 20
 
@@ -285,9 +286,16 @@ def _check_subject(fields: dict[str, Any], place: str) -> None:
 
 
 def module_code(dut: Path = DUT) -> dict[str, str]:
-    """Return the RTL of each module, without comments and spacing, in the order of the files."""
-    files = sorted(dut.rglob("*.sv"))
-    return {one.stem: " ".join(_COMMENTS.sub(" ", one.read_text("utf-8")).split()) for one in files}
+    """Return the RTL of each module, with the headers that it includes, without comments and spacing, in the
+    order of the files.
+    """
+    headers = {one.name: one.read_text("utf-8") for one in sorted(dut.rglob("*.svh"))}
+    found: dict[str, str] = {}
+    for one in sorted(dut.rglob("*.sv")):
+        text = one.read_text("utf-8")
+        included = (headers.get(name, "") for name in _INCLUDED.findall(text))
+        found[one.stem] = " ".join(_COMMENTS.sub(" ", "\n".join((text, *included))).split())
+    return found
 
 
 def module_hash(modules: Iterable[str], code: Mapping[str, str]) -> str:

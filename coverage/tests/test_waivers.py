@@ -143,6 +143,16 @@ def test_those_of_the_core_hold_until_their_modules_change(tmp_path):
     assert other_rtl(first, module_code(tmp_path)) is None
     source.write_text("module triaxis_core; wire a; endmodule\n")
     assert "--confirm-waivers" in (other_rtl(first, module_code(tmp_path)) or "")
+    # So does what it includes.
+    source.write_text('module triaxis_core;\n  `include "a.svh"\nendmodule\n')
+    assert confirm_waivers(path, tmp_path) > 0
+    [first, *_] = [waiver for waiver in read_waivers(path) if waiver.modules == ("triaxis_core",)]
+    (tmp_path / "a.svh").write_text("// A comment.\n")
+    assert other_rtl(first, module_code(tmp_path)) is None
+    (tmp_path / "a.svh").write_text("wire b;\n")
+    assert "--confirm-waivers" in (other_rtl(first, module_code(tmp_path)) or "")
+    named = replace(first, rests_on=("triaxis_croe",))
+    assert other_rtl(named, module_code()) == "triaxis_croe: no such module: correct its name"
 
 
 @pytest.mark.parametrize(

@@ -264,8 +264,9 @@ def _gate(options: argparse.Namespace) -> int:
     found = refusals(options.result, rtl_hash(options.rtl), SOURCES.hash())
     if found:
         return _refused(found)
+    notes = remarks(options.result)
     print(f"gate: open: {options.result} covers this RTL")
-    for line in remarks(options.result):
+    for line in notes:
         print(f"gate: note: {line}")
     return DONE
 

@@ -21,7 +21,7 @@ from triaxis.golden.errors import InputError
 from triaxis.golden.input_file import read_input
 from triaxis.golden.outputs import write_whole
 from triaxis.host.cli import DONE
-from triaxis.sim.build import rtl_hash
+from triaxis.sim.build import rtl_files, rtl_hash
 from triaxis.sim.paths import ROOT
 from triaxis.sim.validity import git
 from triaxis.verif.signoff.gate import SOURCES, refusals
@@ -86,6 +86,13 @@ def pack(out: Path, witnesses: Path, result: Path = RESULT) -> Path:
     if not (witnesses / "set.json").is_file():
         raise InputError(f"{witnesses}: no TriTest set: make one by `tritest make {witnesses}`")
     source = _source()
+    # There are files that git was told not to look at.
+    for path in (*rtl_files(), *SOURCES.files()):
+        name = path.relative_to(ROOT).as_posix()
+        if source.get(name) != path.read_bytes():
+            raise InputError(
+                f"{path}: is not what the commit holds, though git tells of no change: commit it"
+            )
     files: Files = {
         "README.txt": _README.encode(),
         "verify.py": Path(__file__).with_name("verify.py").read_bytes(),

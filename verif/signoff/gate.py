@@ -1,7 +1,6 @@
 """The gate before a bitstream: whether a stored sign-off allows the RTL that is about to be built."""
 
 import json
-import math
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
@@ -38,6 +37,11 @@ SOURCES = Sources(
 
 _SHOWN = 3
 
+# What a sign-off may take from the record.
+_TAKEN = {"recorded": "mutants", "entries_recorded": "proofs of equivalence"}
+# Above all figures.
+_MOST = 1 << 63
+
 
 def refusals(result: Path, rtl_hash: str, environment_hash: str) -> list[str]:
     """Return why the sign-off in ``result`` does not cover that RTL; empty: it does.
@@ -54,7 +58,7 @@ def refusals(result: Path, rtl_hash: str, environment_hash: str) -> list[str]:
     data = read_input(result)
     try:
         content = json.loads(data)
-    except ValueError as error:
+    except (ValueError, RecursionError) as error:
         return [f"{result}: not readable ({error}): run `make signoff` again"]
     if not isinstance(content, dict):
         return [f"{result}: not a sign-off: run `make signoff` again"]
@@ -76,8 +80,8 @@ def refusals(result: Path, rtl_hash: str, environment_hash: str) -> list[str]:
     else:
         found += _first([str(problem) for problem in problems])
     found += _shortfalls(content.get("figures")) + _parts(content.get("parts"), signed, PARTS)
-    if content.get("whole") is True:
-        found += _missing_of_whole(content, signed)
+    found += _missing_of_whole(content, signed) if content.get("whole") is True else _failed_beside(content)
+    found += _untold(content)
     # A sign-off rests on its waivers, which may have changed since.
     return found + _first(waiver_problems(_waivers(content)))
 
@@ -87,7 +91,7 @@ def remarks(result: Path) -> list[str]:
     content = json.loads(read_input(result))
     found = [f"signed off without {exception}" for exception in content.get("exceptions", [])]
     mutation = content["parts"]["mutation"]
-    for key, what in (("recorded", "mutants"), ("entries_recorded", "proofs of equivalence")):
+    for key, what in _TAKEN.items():
         if mutation[key] and not any(line.startswith(what) for line in content.get("exceptions", [])):
             found.append(f"signed off without {mutation[key]} {what}, which are as recorded")
     if content.get("whole") is True:
@@ -106,11 +110,11 @@ def _first(lines: list[str]) -> list[str]:
     return lines[:_SHOWN] + more
 
 
-def _is_figure(value: Any) -> bool:
-    """Return whether a value can be a figure: a number that is one, or null."""
+def _is_figure(value: Any, most: int) -> bool:
+    """Return whether a value can be a figure: a number from 0 on, or null."""
     if isinstance(value, bool) or not isinstance(value, int | float | None):
         return False
-    return value is None or math.isfinite(value)
+    return value is None or 0 <= value <= most
 
 
 def _missing_of_whole(content: dict[str, Any], signed: Any) -> list[str]:
@@ -123,6 +127,25 @@ def _missing_of_whole(content: dict[str, Any], signed: Any) -> list[str]:
     if [mutation.get(key, 1) for key in ("sample", "recorded", "entries_recorded")] != [None, 0, 0]:
         found.append("signed off as a whole, but not every mutant was played")
     return found + _parts(content.get("beside"), signed, BESIDE)
+
+
+def _failed_beside(content: dict[str, Any]) -> list[str]:
+    """Return which results that stand beside a sign-off failed: those that are absent are exceptions."""
+    beside = held if isinstance(held := content.get("beside"), dict) else {}
+    absent = [name for name, part in beside.items() if isinstance(part, dict) and set(part) == {"absent"}]
+    there = {name: part for name, part in beside.items() if name not in absent}
+    return _parts(there, content.get("rtl_hash"), ())
+
+
+def _untold(content: dict[str, Any]) -> list[str]:
+    """Return what `remarks` is to tell of a sign-off, where that cannot be told."""
+    exceptions, parts = content.get("exceptions"), content.get("parts")
+    told = isinstance(exceptions, list) and all(isinstance(line, str) for line in exceptions)
+    mutation = parts.get("mutation") if isinstance(parts, dict) else None
+    counts = [mutation.get(key) for key in _TAKEN] if isinstance(mutation, dict) else [None]
+    if told and all(type(count) is int and count >= 0 for count in counts):
+        return []
+    return ["the sign-off does not tell its exceptions: run `make signoff` again"]
 
 
 def _parts(parts: Any, signed: Any, names: Sequence[str]) -> list[str]:
@@ -147,9 +170,13 @@ def _waivers(content: dict[str, Any]) -> list[dict[str, Any]]:
 
 def _shortfalls(values: Any) -> list[str]:
     """Return what today's bounds say of the stored figures."""
-    if not isinstance(values, dict) or not all(map(_is_figure, values.values())):
+    known = read_figures()
+    shares = {figure.name for figure in known if figure.unit == "%"}
+    if not isinstance(values, dict) or not all(
+        _is_figure(value, 100 if name in shares else _MOST) for name, value in values.items()
+    ):
         return ["the sign-off holds no figures: run `make signoff` again"]
     try:
-        return list(judge(read_figures(), values).shortfalls)
+        return list(judge(known, values).shortfalls)
     except InputError as error:
         return [f"{error}: run `make signoff` again"]

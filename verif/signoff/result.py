@@ -36,7 +36,8 @@ class Signoff:
     """Evidence of every part, by name, what was signed off, and what the parts took.
 
     ``beside``: results of commands of their own; one that failed fails the sign-off, one that is not there is
-    an exception. ``whole``: nothing may be absent, and what is fails the sign-off.
+    an exception. ``whole``: nothing may be absent, and what is fails the sign-off. ``touched``: what was
+    signed off was written to meanwhile, though it may be again what it was.
     """
 
     parts: Mapping[str, Part]
@@ -47,6 +48,7 @@ class Signoff:
     seconds: float
     timeline: tuple[Span, ...]
     whole: bool = False
+    touched: bool = False
 
     @cached_property
     def figures(self) -> dict[str, Value]:
@@ -81,7 +83,7 @@ class Signoff:
         found += [f"proofs: {name}: {Result.ABSENT}" for name in self._absent_proofs if name != THEOREM]
         found += [*self._unmeasured, *self._recorded] if self.whole else []
         found += open_items(self.checklist)
-        if not self.provenance.still_holds(SOURCES):
+        if self.touched or not self.provenance.still_holds(SOURCES):
             found.append("the RTL or its environment changed during the run")
         return found + list(self.judgement.shortfalls)
 

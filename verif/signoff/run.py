@@ -1,15 +1,25 @@
 """Runs a sign-off: first what fails soonest, part by part, then what takes longest, two parts at a time.
 
 A part by itself leaves a processor idle wherever it waits for the last of its builds or its trials.
+
+What is built has the name of what it is built of, which is read after that was hashed. So a file that was
+edited meanwhile, and back, leaves what it never was: nothing is taken that was built before, and nothing that
+goes in may be written to from then on.
 """
 
+import shutil
 import time
 from collections.abc import Callable, Mapping
 from concurrent.futures import ThreadPoolExecutor
 from threading import Event
 
+from filelock import FileLock
+
 from triaxis.coverage.report import ModelReport
+from triaxis.golden.native import BUILD as NATIVE
+from triaxis.sim.build import rtl_files
 from triaxis.sim.evidence import Timeline
+from triaxis.sim.paths import BUILD
 from triaxis.sim.validity import provenance
 from triaxis.verif.code_coverage.run import STEPS as CODE_COVERAGE_STEPS
 from triaxis.verif.faults.catching import signed_off_names
@@ -35,6 +45,9 @@ from triaxis.verif.signoff.plan import VOLUME
 from triaxis.verif.signoff.result import Signoff
 from triaxis.verif.signoff.testplan import testplan_part
 
+# Folders of what is built, a folder each with a lock beside it.
+_BUILT = ("library", "simulation", "elaborated", "runtime", "mutation", "faults", "coverage")
+
 
 def step_count(seed: int, volume: int, whole: bool = False) -> int:
     """Return how many steps a sign-off has."""
@@ -53,7 +66,8 @@ def signoff(seed: int, progress: Callable[[int], None], volume: int = VOLUME, wh
 
     ``whole``: four states and the netlist too, first; then nothing may be absent, nor taken from a record.
     """
-    start, timeline = time.monotonic(), Timeline()
+    start, begun, timeline = time.monotonic(), time.time(), Timeline()
+    _forget_builds()
     before = provenance(SOURCES)
     parts: dict[str, Part] = {}
     coverage: list[ModelReport] = []
@@ -104,4 +118,13 @@ def signoff(seed: int, progress: Callable[[int], None], volume: int = VOLUME, wh
     seconds = time.monotonic() - start
     beside = results_beside() if beside is None else beside
     spans = tuple(sorted(timeline.spans, key=lambda span: span.begin))
-    return Signoff(ordered, beside, before, seed, volume, seconds, spans, whole)
+    touched = any(path.stat().st_ctime > begun for path in (*rtl_files(), *SOURCES.files()))
+    return Signoff(ordered, beside, before, seed, volume, seconds, spans, whole, touched)
+
+
+def _forget_builds() -> None:
+    for lock in (lock for name in _BUILT for lock in (BUILD / name).glob("?*.lock")):
+        with FileLock(lock):
+            shutil.rmtree(lock.with_name(lock.name.removesuffix(".lock")), ignore_errors=True)
+    for library in NATIVE.glob("*.so"):
+        library.unlink()

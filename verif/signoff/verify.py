@@ -24,22 +24,18 @@ from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import Any
 
-STAGES = ("V1", "V2", "V3")
-RTL = (".sv", ".svh", ".v", ".vh", ".f")
+STAGES, RTL = ("V1", "V2", "V3"), (".sv", ".svh", ".v", ".vh", ".f")
 PARTS = ("testplan", "lint", "simulation", "exhaustive", "code_coverage", "faults", "mutation", "proofs")
-BESIDE = ("four_state", "netlist")
+BESIDE, UNLISTED = ("four_state", "netlist"), ("SHA256SUMS", "attestation.json")
 KINDS = ("line", "branch", "expression", "toggle", "fsm", "antecedent")
 PROVED, ABSENT, MAY_BE = "proved", "not measured", ("theorem", "not measured")  # where it is no whole one
 TAKEN = (("recorded", "mutants"), ("entries_recorded", "proofs of equivalence"))  # what is said of them
-UNLISTED = ("SHA256SUMS", "attestation.json")  # the statement is about the sums, and they are about all else
+NONE = ("mismatches", "wrong", "different", "uncovered", "surviving")  # what must be none, true, or some
+YES, SOME = ("passed", "agrees", "caught"), ("linters", "runs", "scenes", "pairs", "checked", "requirements")
 
 
 def _sha256(path: Path) -> str:
     return hashlib.sha256(path.read_bytes()).hexdigest()
-
-
-def _read(folder: Path, name: str) -> Any:
-    return json.loads((folder / name).read_text(encoding="utf-8"))
 
 
 def _files(folder: Path) -> Iterator[str]:
@@ -52,12 +48,11 @@ def _files(folder: Path) -> Iterator[str]:
         yield "SHA256SUMS: names a file twice"
     yield from (f"{name}: is missing" for name in sorted({*listed, *UNLISTED} - there.keys()))
     for name, path in sorted(there.items()):
-        if name not in UNLISTED and _sha256(path) != listed.get(name):
+        if name not in UNLISTED and (not path.is_file() or _sha256(path) != listed.get(name)):
             yield f"{name}: is not {'the file that was packed' if name in listed else 'listed in SHA256SUMS'}"
 
 
 def _rtl_hash(dut: Path) -> str:
-    # Of names and contents, in order, as sign-offs name it.
     rtl = sorted(path for path in dut.rglob("*") if path.suffix in RTL and path.is_file())
     return hashlib.sha256(b"".join(x.name.encode() + b"\0" + x.read_bytes() + b"\0" for x in rtl)).hexdigest()
 
@@ -78,14 +73,14 @@ def _passed(items: list[Any], key: str = "passed") -> float | None:
 
 def _figures(parts: dict[str, Any]) -> dict[str, Any]:
     simulation, mutation, proofs = parts["simulation"], parts["mutation"], parts["proofs"]
-    bins = [item for model in simulation["coverage"].values() for item in model.values()]
+    bins, runs = [x for model in simulation["coverage"].values() for x in model.values()], simulation["runs"]
     mutants, registers = mutation["files"].values(), proofs["registers"]["modules"].values()
     totals, points = parts["code_coverage"]["totals"], parts["testplan"]["testpoints"]
     return {
         "lint_findings": sum(map(len, parts["lint"]["linters"].values())),
-        "runs_passed": _passed(simulation["runs"]),
-        "mismatches": sum(run["counts"]["failed"] for run in simulation["runs"]),
-        "pairs_checked": simulation["pairs_checked"],
+        "runs_passed": _passed(runs),
+        "mismatches": sum(run["counts"]["failed"] for run in runs),
+        "pairs_checked": min(simulation["pairs_checked"], _sum([r["counts"] for r in runs], "checked")),
         "functional_coverage": _share(_sum(bins, "hit"), _sum(bins, "total")),
         **{f"{k}_coverage": _share(_sum([totals[k]], "hit", "waived"), totals[k]["total"]) for k in KINDS},
         "waivers_void": parts["code_coverage"]["waivers_void"],
@@ -99,30 +94,34 @@ def _figures(parts: dict[str, Any]) -> dict[str, Any]:
     }
 
 
+def _open(value: Any, where: str) -> Iterator[str]:
+    named = dict(enumerate(value)) if isinstance(value, list) else value if isinstance(value, dict) else {}
+    for key, held in named.items():
+        bad = held in ("open", "failed") or (key in NONE and held) or (key in SOME and held in (0, [], {}))
+        if bad or (key in YES and held is not True and named.get("result") != ABSENT):
+            yield f"{where}.{key}: {held}"
+        yield from _open(held, f"{where}.{key}")
+
+
 def _contradictions(parts: dict[str, Any], whole: bool) -> Iterator[str]:
     simulation, mutation = parts["simulation"], parts["mutation"]
     for name, row in mutation["files"].items():
-        if row["killed"] + row["equivalent"] != row["mutants"] or row["surviving"] != 0:
+        if row["killed"] + row["equivalent"] != row["mutants"]:
             yield f"mutation: {name}: {row}: a mutant survives, or they do not add up"
     for listed, counted in (("killed",) * 2, ("equivalents", "equivalent"), ("survivors", "surviving")):
         if len(mutation[listed]) != _sum(mutation["files"].values(), counted):
             yield f"mutation: {listed}: not as many as are counted"
     items = [item for model in simulation["coverage"].values() for item in model.items()]
     yield from (f"coverage: {name}: {item}" for name, item in items if not 0 <= item["hit"] <= item["total"])
-    if simulation["pairs_checked"] > sum(run["counts"]["checked"] for run in simulation["runs"]):
-        yield "simulation: more pairs are said to be checked than the runs checked"
     scenes = simulation["scenes"] + (simulation["real_meshes"] or [])
-    wrong = simulation["detector"]["wrong"] or simulation["solvers"]["different"]
-    if wrong or not all(scene["agrees"] is True for scene in scenes):
-        yield "simulation: the wrapper is wrong, a solver, or a scene"
+    yield from (f"scene {x['name']}: {x['found']}" for x in scenes if x["found"] != x["expected"])
     for proof in parts["proofs"]["proofs"]:
-        absent = not whole and (proof["name"], proof["result"]) == MAY_BE
-        if not absent and (proof["result"] != PROVED or proof["passed"] is not True):
+        if proof["result"] != PROVED and (whole or (proof["name"], proof["result"]) != MAY_BE):
             yield f"proofs: {proof['name']}: {proof['result']}"
 
 
 def _verdict(folder: Path) -> Iterator[str]:
-    signoff, rtl = _read(folder, "signoff/signoff.json"), _rtl_hash(folder / "source/dut")
+    signoff, rtl = json.loads((folder / "signoff/signoff.json").read_text()), _rtl_hash(folder / "source/dut")
     if signoff["rtl_hash"] != rtl:
         yield f"source/dut: RTL {rtl[:12]}: signed off was {signoff['rtl_hash'][:12]}"
     if (signoff["passed"], signoff["problems"], signoff["stage"]) != (True, [], STAGES[-1]):
@@ -130,16 +129,16 @@ def _verdict(folder: Path) -> Iterator[str]:
     parts, beside, whole = signoff["parts"], signoff["beside"], signoff["whole"]
     if set(parts) != set(PARTS) or set(beside) != set(BESIDE) or type(whole) is not bool:
         yield "signoff.json: has other parts"
-    # What stands beside may be absent, with a reason, where it is not said to be whole.
     needed = {name: part for name, part in beside.items() if whole or set(part) != {"absent"}}
     for name, part in [*parts.items(), *needed.items()]:
         if part.get("passed") is not True or part.get("rtl_hash") != rtl or part.get("problems") != []:
             yield f"{name}: did not pass, or is of another RTL"
+    yield from _open(signoff, "signoff")
     yield from _contradictions(parts, whole)
     run, told = parts["mutation"], {line.partition(":")[0] for line in signoff["exceptions"]}
-    taken = {said for key, said in TAKEN if run[key]}
+    taken = {said for key, said in TAKEN if run[key]} | {x.replace("_", " ") for x in beside.keys() - needed}
     if taken - told or (whole and (taken or run["sample"] is not None)):
-        yield "mutation: not every mutant was played, and that is not said"
+        yield "mutation, beside: not every mutant was played, or something is absent, and that is not said"
     stored, found = signoff["figures"], _figures(parts)
     bounds = tomllib.loads((folder / "source/coverage/stages.toml").read_text())
     for name in sorted(stored.keys() | found.keys() | bounds.keys()):
@@ -153,7 +152,7 @@ def _verdict(folder: Path) -> Iterator[str]:
 
 
 def _witnesses(folder: Path) -> Iterator[str]:
-    if len(_read(folder, "witnesses/set.json")["families"]) < 10:
+    if len(json.loads((folder / "witnesses/set.json").read_text())["families"]) < 10:
         yield "of fewer than ten families"
     command = [sys.executable, "-I", "-S", folder / "source/bench/tritest/recheck.py", folder / "witnesses"]
     ran = subprocess.run(command, capture_output=True, text=True, check=False)
@@ -163,12 +162,13 @@ def _witnesses(folder: Path) -> Iterator[str]:
 
 
 def _statements(folder: Path) -> Iterator[str]:
-    attestation = _read(folder, "attestation.json")
+    attestation = json.loads((folder / "attestation.json").read_text())
     about = {"rtl": _rtl_hash(folder / "source/dut"), "SHA256SUMS": _sha256(folder / "SHA256SUMS")}
     subject = [{"name": name, "digest": {"sha256": x}} for name, x in about.items()]
     if (attestation["subject"], attestation["predicate"]["result"]) != (subject, "PASSED"):
         yield "attestation.json: is not about these files, or does not say that they passed"
-    named = {(one["name"], one["version"]) for one in _read(folder, "sbom.cdx.json")["components"]}
+    bill = json.loads((folder / "sbom.cdx.json").read_text())["components"]
+    named = {(one["name"], one["version"]) for one in bill}
     locked = "".join(lock.read_text() for lock in (folder / "source").glob("requirements*.lock"))
     if not named or named != set(re.findall(r"^([A-Za-z0-9._-]+)==([^\s;]+)", locked, re.MULTILINE)):
         yield "sbom.cdx.json: other packages than those of the lock files"

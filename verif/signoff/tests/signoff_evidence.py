@@ -41,7 +41,15 @@ def _simulation():
 
 def _code_coverage():
     totals = {k: {"hit": 9, "waived": 1, "total": 10} for k in KINDS}
-    return evidence(totals=totals, files={"triaxis_core.sv": totals}, waivers=WAIVERS, waivers_void=0)
+    run = {"model": "w16_m16", "test": "MixedTest", "checked": 9, "wrong": 0, "seconds": 1.0}
+    return evidence(
+        totals=totals,
+        files={"triaxis_core.sv": totals},
+        waivers=WAIVERS,
+        waivers_void=0,
+        uncovered=[],
+        runs=[run],
+    )
 
 
 def _faults():
@@ -51,7 +59,8 @@ def _faults():
         "counterexample": {"after": "margin 0, [[[0, 0, 0]]]", "meaning": "clear where near"},
     }  # fmt: skip
     return evidence(
-        faults=[fault, {**fault, "name": "F9", "counterexample": None, "pairs": None, "clocks": 7}]
+        control={"passed": True, "problems": []},
+        faults=[fault, {**fault, "name": "F9", "counterexample": None, "pairs": None, "clocks": 7}],
     )
 
 
@@ -100,7 +109,7 @@ def good_parts():
     return {
         "lint": Part(_lint()),
         "simulation": Part(_simulation()),
-        "exhaustive": Part(evidence()),
+        "exhaustive": Part(evidence(counts={"mismatches": 0, "ordered": [729, 729]}, ordered_pairs=729)),
         "code_coverage": Part(_code_coverage()),
         "faults": Part(_faults()),
         "mutation": Part(_mutation()),

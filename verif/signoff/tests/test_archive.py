@@ -2,6 +2,7 @@
 
 import hashlib
 import json
+import os
 import subprocess
 import sys
 from pathlib import Path
@@ -11,9 +12,17 @@ import pytest
 from triaxis.golden.errors import InputError
 from triaxis.host.cli import main
 from triaxis.host.tests.published import read_published
+from triaxis.sim.build import rtl_files
+from triaxis.sim.paths import ROOT
 from triaxis.sim.validity import git
 from triaxis.verif.signoff import archive, page
+from triaxis.verif.signoff.gate import SOURCES
 from triaxis.verif.signoff.tests.signoff_evidence import signed
+
+
+def held():
+    """Return what is signed off as the checkout has it."""
+    return {str(path.relative_to(ROOT)): path.read_bytes() for path in (*rtl_files(), *SOURCES.files())}
 
 
 @pytest.fixture(scope="module")
@@ -28,6 +37,8 @@ def packed(tmp_path_factory):
         patch.setattr(page, "PAGE", result.with_name("index.html"))
         page.write(signed())
         patch.setattr(archive, "git", lambda *words: "" if words[0] == "status" else git(*words))
+        commit = archive._source
+        patch.setattr(archive, "_source", lambda: commit() | held())
         outs = [archive.pack(folder / f"{name}.tar.gz", folder / "set", result) for name in "ab"]
     assert outs[0].read_bytes() == outs[1].read_bytes()
     return outs[0]
@@ -88,31 +99,47 @@ def figure(**changes):
 CHANGES = [
     (first("simulation", "runs", passed=False), "runs_passed: 0"),
     (lambda c: c["parts"]["simulation"]["runs"][0]["counts"].update(failed=1), "mismatches: 1 by what was"),
-    (lambda c: c["parts"]["simulation"]["runs"][0]["counts"].update(checked=5), "more pairs are said"),
+    (lambda c: c["parts"]["simulation"]["runs"][0]["counts"].update(checked=5), "pairs_checked: 5 by"),
     (part("simulation", pairs_checked=5), "pairs_checked: 5 by"),
-    (first("simulation", "scenes", agrees=False), "or a scene"),
+    (first("simulation", "scenes", agrees=False), "agrees: False"),
+    (first("simulation", "scenes", found="clear"), "scene tool: clear"),
+    (part("simulation", scenes=[]), "scenes: []"),
+    (lambda c: c["parts"]["simulation"]["detector"].update(pairs=0), "pairs: 0"),
+    (lambda c: c["parts"]["simulation"]["solvers"].update(pairs=0), "pairs: 0"),
+    (lambda c: c["parts"]["exhaustive"]["counts"].update(mismatches=1), "mismatches: 1"),
+    (part("code_coverage", uncovered=["a.sv:1"]), "uncovered: ["),
+    (part("code_coverage", runs=[]), "runs: []"),
+    (first("code_coverage", "runs", wrong=1), "wrong: 1"),
+    (first("code_coverage", "runs", checked=0), "checked: 0"),
+    (part("lint", linters={}), "linters: {}"),
+    (lambda c: c["parts"]["faults"]["control"].update(passed=False), "control.passed: False"),
+    (first("testplan", "requirements", passed=False), "requirements.0.passed: False"),
+    (part("testplan", requirements=[]), "requirements: []"),
+    (lambda c: c["checklist"][0].update(answer="open"), "checklist.0.answer: open"),
+    (lambda c: c["chain"][0].update(state="failed"), "chain.0.state: failed"),
+    (lambda c: c["beside"].update(netlist={"absent": "run it"}), "and that is not said"),
     (part("code_coverage", totals={}), "KeyError"),
     (part("code_coverage", waivers_void=5), "waivers_void: 5 by"),
     (figure(mutation_score=99.0), "mutation_score: 100"),
     (figure(registers_proved=float("nan")), "nan in signoff.json"),
     (figure(more=1), "more: None by"),
     (mutants(killed=20), "ValueError: 22 of 12"),
-    (mutants(surviving=1), "a mutant survives"),
+    (mutants(surviving=1), "surviving: 1"),
     (part("mutation", killed=["one"]), "killed: not as many"),
-    (lambda c: (c.update(whole=True), c["parts"]["mutation"].update(recorded=1)), "was played, and that"),
-    (lambda c: (c.update(whole=True), c["parts"]["mutation"].update(sample=1)), "was played, and that"),
-    (part("mutation", recorded=1), "was played, and that"),
-    (part("mutation", entries_recorded=1), "was played, and that"),
+    (lambda c: (c.update(whole=True), c["parts"]["mutation"].update(recorded=1)), "and that is not said"),
+    (lambda c: (c.update(whole=True), c["parts"]["mutation"].update(sample=1)), "and that is not said"),
+    (part("mutation", recorded=1), "and that is not said"),
+    (part("mutation", entries_recorded=1), "and that is not said"),
     (
         lambda c: (
             c["parts"]["mutation"].update(recorded=1, entries_recorded=1),
             c.update(exceptions=["mutants: 1 as recorded of"]),
         ),
-        "was played, and that",
+        "and that is not said",
     ),
     (
         lambda c: (c.update(whole=True), c["parts"]["mutation"].update(entries_recorded=1)),
-        "was played, and that",
+        "and that is not said",
     ),
     (part("mutation", survivors=[{}]), "survivors: not as many"),
     (
@@ -161,6 +188,9 @@ def test_every_file_counts(unpacked):
         "README.txt: is missing", "is not about these files",
     ):  # fmt: skip
         assert line in said
+    os.mkfifo(folder / "source" / "pipe")
+    assert "source/pipe: is not listed in SHA256SUMS" in verified(folder)[1]
+    (folder / "source" / "pipe").unlink()
     (folder / "source" / "evil").symlink_to("/etc")
     assert "source/evil: is a link" in verified(folder)[1]
     (folder / "SHA256SUMS").unlink()
@@ -229,6 +259,11 @@ def test_no_evidence_without_a_sign_off_a_commit_and_witnesses(tmp_path, monkeyp
         archive.pack(out, witnesses, result)
     witnesses.mkdir()
     (witnesses / "set.json").write_text("{}")
+    source = archive._source
+    monkeypatch.setattr(archive, "_source", lambda: source() | {"dut/core/triaxis_core.sv": b""})
+    with pytest.raises(InputError, match=r"triaxis_core\.sv: is not what the commit holds"):
+        archive.pack(out, witnesses, result)
+    monkeypatch.setattr(archive, "_source", lambda: source() | held())
     result.with_name("index.html").write_text("page")
     with pytest.raises(InputError, match="make it anew"):
         archive.pack(out, witnesses, result)

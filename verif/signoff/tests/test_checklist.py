@@ -95,7 +95,21 @@ def test_lint_each_kind_of_coverage_and_a_waiver_without_a_reason_leave_their_it
         assert ("V3", "SIM_CODE_COVERAGE_AT_100, FPV_CODE_COVERAGE_AT_100") in found, kind
     found = left_open("proofs", lambda e: e.update(passed=False))
     assert ("V1", "FPV_MAIN_ASSERTIONS_PROVEN") in found
-    [waived] = [one for one in read_checklist() if one.item == "LINT_COMPLETE" and one.kind == "without"]
+    waived, hidden, read_in = (
+        one for one in read_checklist() if one.item == "LINT_COMPLETE" and one.kind == "without"
+    )
+    for item, text, answer in (
+        (hidden, "  // verilator coverage_off\n", True),
+        (hidden, "  /*verilator coverage_block_off*/\n", True),
+        (hidden, "  // synthesis translate_off\n", True),
+        (hidden, "  assign off = coverage;\n", False),
+        (read_in, '`include "rule.inc"\n', True),
+        (read_in, '`include "../rule.svh"\n', True),
+        (read_in, "`include `RULE\n", True),
+        (read_in, '  initial $readmemh("table.mem", table_q);\n', True),
+        (read_in, '`include "triaxis_stage.svh"\n', False),
+    ):
+        assert bool(re.search(item.value, text)) == answer, text
     for above, answer in (
         ("  // For this reason.\n", False),
         ("  // verilator lint_on X\n", True),

@@ -14,7 +14,7 @@ from triaxis.coverage.stages import read_figures
 from triaxis.golden.errors import InputError
 from triaxis.sim.build import content_hash, rtl_hash
 from triaxis.sim.paths import DUT
-from triaxis.sim.validity import validity
+from triaxis.sim.validity import Sources, validity
 from triaxis.verif.lint import lint_rtl, rtl_linters
 from triaxis.verif.mutation.equivalence import evidence_hash
 from triaxis.verif.mutation.killers import killers_hash
@@ -288,8 +288,10 @@ def made(name, monkeypatch, act=lambda: None):
 
 
 @pytest.fixture
-def stubbed(monkeypatch):
-    """A sign-off whose parts cost nothing."""
+def stubbed(monkeypatch, tmp_path):
+    """A sign-off whose parts cost nothing, and build nothing."""
+    monkeypatch.setattr(signoff_run, "BUILD", tmp_path)
+    monkeypatch.setattr(signoff_run, "NATIVE", tmp_path / "native")
     monkeypatch.setattr(signoff_run.simulation, "simulate", lambda *_: replace(GOOD, coverage=[]))
     monkeypatch.setattr(signoff_run.simulation, "as_evidence", lambda *_: {"part": "simulation"})
     for name in PARTS:
@@ -312,6 +314,36 @@ def test_every_part_is_in_its_place_whatever_goes_on_beside_it(stubbed):
         if name != "code_coverage"
     )
     assert {span.name for span in found.timeline} == set(PARTS)
+
+
+def test_nothing_is_taken_that_was_built_before(stubbed, tmp_path):
+    stale = [tmp_path / "library" / "w8_m8-0123", tmp_path / "runtime" / "4567", tmp_path / "native" / "a.so"]
+    for place in stale[:2]:
+        place.mkdir(parents=True)
+        place.with_name(f"{place.name}.lock").touch()
+    (tmp_path / "native").mkdir()
+    stale[2].touch()
+    # Of runs that wait for each other, and what is no build.
+    kept = [tmp_path / "faults" / ".lock", tmp_path / "faults" / "faults.json", tmp_path / "runs" / "a.lock"]
+    for place in kept:
+        place.parent.mkdir(exist_ok=True)
+        place.touch()
+    signoff_run.signoff(1, lambda _: None)
+    assert [place.exists() for place in (*stale, *kept)] == [False] * 3 + [True] * 3
+
+
+def test_what_is_written_to_meanwhile_is_a_problem_though_it_is_as_before(stubbed, tmp_path):
+    file = tmp_path / "a.sv"
+    file.write_text("module a; endmodule\n")
+    stubbed.setattr(signoff_run, "rtl_files", lambda: [file])
+    stubbed.setattr(signoff_run, "SOURCES", Sources(("triaxis.verif.signoff.plan",)))
+    # Time stamps of files may be some milliseconds late.
+    time.sleep(0.05)
+    assert not signoff_run.signoff(1, lambda _: None).touched
+    made("proofs", stubbed, lambda: file.write_text(file.read_text()))
+    assert signoff_run.signoff(1, lambda _: None).touched
+    changed = replace(signed(), touched=True).problems
+    assert any("changed during the run" in problem for problem in changed)
 
 
 @pytest.mark.parametrize("interrupted", ["faults", "mutation"])
@@ -435,12 +467,20 @@ def test_all_well_passes_and_a_change_of_the_checkout_fails(tmp_path):
         ("figures.mutation_score", "100", "no figures"),
         ("figures.mutation_score", True, "no figures"),
         ("figures.mutation_score", float("nan"), "no figures"),
+        ("figures.mutation_score", 250, "no figures"),
+        ("figures.mismatches", -1, "no figures"),
+        ("figures.pairs_checked", 10**400, "no figures"),
         ("figures.mutation_score", 99.99, "wanted at least 100 %"),
         ("figures.proofs_passed", None, "not measured"),
         ("parts", None, "no evidence"),
         ("parts", {}, "mutation: no evidence"),
         ("parts.proofs", {"absent": "no tool"}, "proofs: did not pass"),
         ("parts.faults", {"passed": True}, "faults: is of RTL of unknown"),
+        ("beside.netlist", {"passed": False, "rtl_hash": HERE.rtl_hash}, "netlist: did not pass"),
+        ("beside.four_state", {"passed": True, "rtl_hash": "0" * 64}, "four_state: is of RTL 000000000000"),
+        ("exceptions", None, "does not tell its exceptions"),
+        ("exceptions", [1], "does not tell its exceptions"),
+        ("parts.mutation", {"passed": True, "rtl_hash": HERE.rtl_hash}, "does not tell its exceptions"),
         ("waivers", None, "measured with 0"),
         ("waivers", [{**waiver, "reason": "because"} for waiver in WAIVERS], "reason changed"),
     ],
@@ -454,7 +494,8 @@ def test_each_reason_to_refuse(tmp_path, place, value, reason):
 
 def test_what_is_no_sign_off_is_refused(tmp_path):
     cut = json.dumps(good_content())[:-20]
-    for text, reason in (("", "readable"), (cut, "readable"), ("[]", "not a sign-off")):
+    deep = "[" * 100_000
+    for text, reason in (("", "readable"), (cut, "readable"), (deep, "readable"), ("[]", "not a sign-off")):
         assert reason in refused(tmp_path, text)[0]
     assert "run `make signoff`" in refusals(tmp_path / "none.json", "", "")[0]
 
