@@ -1,6 +1,7 @@
 """The least distance of two meshes, and the facets that are so near: exact, of what the files say."""
 
-from dataclasses import dataclass
+import math
+from dataclasses import dataclass, replace
 from fractions import Fraction
 
 import numpy as np
@@ -9,14 +10,14 @@ from triaxis.host.engines import BULK, NO_PAIRS, STILL, scene_engine
 from triaxis.host.euclidean import euclidean_distance
 from triaxis.host.scene import FacetPairs, MeshPair, bulk_near, distance_of, near_facets
 
-# Pairs of which the exact distance is computed.
-_JUDGED = 2000
+# Pairs of which the exact distance is computed, of so many at a time; those of which it may be.
+_JUDGED, _CHUNK, _LISTED = 2000, 200, 1 << 24
 
 
 @dataclass(frozen=True)
 class Least:
     """Facet numbers in the files, and their distance. ``exact``: no other pair is nearer; else one may be, by
-    less than rounding to the grid and back.
+    less than rounding to the grid and back; by Euclid by more, where very many pairs are about as near.
     """
 
     a: int
@@ -41,21 +42,51 @@ def least_distance(meshes: MeshPair, euclidean: bool) -> Least:
             clear = margin
     reading = (meshes.mesh_a.rounding + meshes.mesh_b.rounding) / meshes.grid.resolution
     best = _best(meshes, _nearest(meshes, near + 2 + 2 * reading), euclidean)
-    if euclidean:
-        # By Chebyshev they are at most as far apart as by Euclid.
-        reach = Fraction(best.distance) / meshes.grid.resolution + 2 + reading
-        best = _best(meshes, _nearest(meshes, reach), euclidean)
-    return best
+    return _by_euclid(meshes, best, reading) if euclidean else best
+
+
+def _by_euclid(meshes: MeshPair, best: Least, reading: Fraction) -> Least:
+    """Return the nearest facets by Euclid, which are no further apart than some are.
+
+    By Chebyshev, and by the boxes of facets, they are at most as far apart as by Euclid. So pairs are judged
+    in the order of their boxes, until these are beyond the nearest yet: by more than what reading and
+    rounding moved, and double precision, of which 2^-40 is more than enough.
+    """
+    resolution = float(meshes.grid.resolution)
+    reach = Fraction(best.distance) / meshes.grid.resolution + 2 + reading
+    pairs, beyond, listed, left = NO_PAIRS, np.empty(0), 0, math.inf
+    for _, some in near_facets(meshes.a, meshes.b, _margin(meshes, reach), bulk_near):
+        a, b = meshes.a[some[:, 0]].astype(np.float64), meshes.b[some[:, 1]].astype(np.float64)
+        gaps = np.maximum(0, np.maximum(a.min(1) - b.max(1), b.min(1) - a.max(1)))
+        apart = np.sqrt((gaps**2).sum(1)) * (1 - 2.0**-40) - 2 * float(2 + reading)
+        pairs, beyond = np.concatenate([pairs, some]), np.concatenate([beyond, resolution * apart])
+        order = np.argsort(beyond, kind="stable")
+        left = min([left, *beyond[order[_JUDGED:][:1]]])
+        pairs, beyond = pairs[order[:_JUDGED]], beyond[order[:_JUDGED]]
+        listed += len(some)
+        if listed > _LISTED:
+            left = -math.inf
+            break
+    for start in range(0, len(pairs), _CHUNK):
+        if beyond[start] > best.distance:
+            break
+        found = _best(meshes, pairs[start : start + _CHUNK], True)
+        best = min(best, found, key=lambda one: (one.distance, one.a, one.b))
+    return replace(best, exact=left > best.distance and meshes.pose.exact)
 
 
 def _nearest(meshes: MeshPair, reach: Fraction) -> FacetPairs:
     """Return facet pairs within so many steps: more than are judged where there are more, but not all."""
-    margin, found = min(-int(-reach // 1), (1 << meshes.grid.width) - 1), [NO_PAIRS]
-    for _, near in near_facets(meshes.a, meshes.b, margin, bulk_near):
+    found = [NO_PAIRS]
+    for _, near in near_facets(meshes.a, meshes.b, _margin(meshes, reach), bulk_near):
         found.append(near)
         if sum(map(len, found)) > _JUDGED:
             break
     return np.concatenate(found)
+
+
+def _margin(meshes: MeshPair, reach: Fraction) -> int:
+    return min(-int(-reach // 1), (1 << meshes.grid.width) - 1)
 
 
 def _best(meshes: MeshPair, pairs: FacetPairs, euclidean: bool) -> Least:

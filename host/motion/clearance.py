@@ -146,11 +146,13 @@ def _standing(move: Move, part: Fraction) -> Move:
 
 
 def places(program: Program, count: int) -> list[Place]:
-    """Return where to look, in the order of the path: ``count`` places spread evenly along it, and the ends
-    of moves if those are fewer.
+    """Return where to look, in the order of the path: ``count`` places spread evenly along it, a degree of a
+    turn as long as a millimetre, and the ends of moves if those are fewer.
     """
-    length = lengths(program)
-    starts = [0.0, *accumulate(length)]
+    ways = lengths(program)
+    turns = [max(abs(b - a) for a, b in zip(*move.turns, strict=True)) for move in program.moves]
+    length = ways + np.array(turns, np.float64)
+    starts, gone = [0.0, *accumulate(length)], [0.0, *accumulate(ways)]
     parts: set[tuple[int, Fraction]] = set()
     for along in np.linspace(0, starts[-1], count):
         index = min(int(np.searchsorted(starts, along, "right")) - 1, len(length) - 1)
@@ -159,7 +161,7 @@ def places(program: Program, count: int) -> list[Place]:
     if len(length) <= count:
         parts |= {(index, Fraction(1)) for index in range(len(length))}
         parts.add((0, Fraction(0)))
-    return [Place(k, part, starts[k] + float(part) * float(length[k])) for k, part in sorted(parts)]
+    return [Place(k, part, gone[k] + float(part) * float(ways[k])) for k, part in sorted(parts)]
 
 
 @dataclass

@@ -16,14 +16,14 @@ from triaxis.host.quantise import Vector, added, vector
 
 # Millimetres. What double precision rounds in a point below stays under it while coordinates are below
 # 10^6: some ten operations of relative error 2^-53; a control, which rounds in another order, differs as
-# little. A centre that was computed from R is as exact, but where start and end are nearly a diameter
-# apart: then a control that computes it in double precision errs by up to sqrt(2^-52) R, which is below it
-# for R < 600.
+# little. So does a centre that was computed from R, but for half circles: see `centre_by_radius`.
 SLACK = Fraction(1, 10**5)
 # How far the radii at both ends may differ, in millimetres, and as a share: LinuxCNC's limits for inches.
 _RADII, _RADII_SHARE = 0.0508 * math.sqrt(2), 0.001
 # Of LinuxCNC's, too: how much a radius may be too short for its end.
 _TOO_SHORT = 0.00127
+# As a share of R: how far a centre is from the chord at most that may as well be on it.
+_NEARLY_HALF = Fraction(2, 10**6)
 # Radians.
 _NOTHING = 1e-6
 _SAMPLES = 16
@@ -186,10 +186,13 @@ def arc(
 
 def centre_by_radius(
     start: Vector, end: Vector, axes: tuple[int, int, int], radius: Fraction, clockwise: bool
-) -> tuple[Fraction, Fraction]:
-    """Return the centre of an arc of a radius, more than a half circle where that is negative.
+) -> tuple[tuple[Fraction, Fraction], Fraction]:
+    """Return the centre of an arc of a radius, more than a half circle where that is negative; and how far
+    points of the arc may be off for it. Raises ValueError where there is none.
 
-    Raises ValueError where there is none.
+    Where half the chord is above (1 - 10^-12) R, LinuxCNC takes its middle for the centre, which is up to
+    1.42 * 10^-6 R away; and what rounding leaves of R^2 - (chord / 2)^2, a control may be off by as well.
+    Elsewhere that is below 10^-10 R.
     """
     a, b, _ = axes
     x, y = end[a] - start[a], end[b] - start[b]
@@ -202,7 +205,10 @@ def centre_by_radius(
             raise ValueError(f"R{float(radius):g} does not reach the end of the arc: correct it")
         height = Fraction(0)
     left = math.sqrt(height / square) * (1 if clockwise == (radius < 0) else -1)
-    return (start[a] + end[a]) / 2 - y * Fraction(left), (start[b] + end[b]) / 2 + x * Fraction(left)
+    centre = (start[a] + end[a]) / 2 - y * Fraction(left), (start[b] + end[b]) / 2 + x * Fraction(left)
+    # The radius is another by next to nothing, too.
+    off = Fraction(11, 10) * _NEARLY_HALF * abs(radius)
+    return centre, off if height <= (_NEARLY_HALF * radius) ** 2 else Fraction(0)
 
 
 def bezier(points: Sequence[Vector]) -> Bezier:

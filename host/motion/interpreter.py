@@ -573,10 +573,11 @@ class Interpreter:
             if "R" in given:
                 if given.keys() & set("IJK"):
                     raise ValueError("an arc by R and a centre: give one of them")
-                centre = centre_by_radius(start, target, plane, given["R"], clockwise)
+                centre, off = centre_by_radius(start, target, plane, given["R"], clockwise)
             else:
-                centre = self._centre(given, plane)
-            return arc(start, target, plane, centre, clockwise, turns)
+                centre, off = self._centre(given, plane), Fraction(0)
+            curve = arc(start, target, plane, centre, clockwise, turns)
+            return replace(curve, slack=curve.slack + off)
         if motion in ("G5", "G5.1"):
             if self.modal.plane != "G17" or start[2] != target[2]:
                 raise ValueError("a spline is in the XY plane: give G17 and no Z")

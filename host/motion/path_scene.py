@@ -311,7 +311,8 @@ def prepare_path(
     scale = wanted.scale
     resolution, clearance = wanted.resolution / scale, wanted.clearance / scale
     check_resolution(resolution)
-    room = clearance + wanted.step / scale + 4 * resolution
+    slack = max(move.slack for move in program.moves) / scale
+    room = clearance + slack + wanted.step / scale + 4 * resolution
     boxes = [box_of(work.facets), *_swept(tool, program, scale, 2 * resolution)]
     width = wanted.width or smallest_width(boxes, resolution, room, AUTOMATIC_WIDTHS)
     grid_a = grid_around([box_of(tool.facets)], resolution, width)

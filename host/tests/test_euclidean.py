@@ -79,6 +79,18 @@ def test_the_least_distance_is_that_of_all_pairs(rng):
             assert distances[9 * found.a + found.b] == min(distances)
 
 
+def test_the_nearest_by_euclid_is_found_among_many_that_are_as_near_by_chebyshev():
+    corner, size = np.array([[0, 0, 0], [-1, 0, 0], [0, -1, 0]]), 1 + np.arange(300)[:, None, None] / 300
+    many = corner * size, 1 - corner * size
+    one = np.add(corner, [50, 0, 0]), np.subtract([51.001, 0, 0], corner * [1, -1, -1])
+    files = [np.concatenate([some, last[None]]) for some, last in zip(many, one, strict=True)]
+    a, b = (StlMesh(mesh.astype(np.float32).astype(np.float64), Fraction(0)) for mesh in files)
+    meshes = prepare(a, b, ("a", "b"), Fraction(1, 1000), Fraction(0), None)
+    found = least_distance(meshes, True)
+    assert (found.a, found.b) == (300, 300) and found.distance == pytest.approx(1.001, abs=1e-5)
+    assert least_distance(meshes, False).distance == 1
+
+
 def test_check_decides_by_the_coordinates_of_the_files(tmp_path, capsys):
     files = [tmp_path / "a.stl", tmp_path / "b.stl"]
     for file, low in zip(files, (-1, 0), strict=True):

@@ -27,6 +27,7 @@ from triaxis.host.motion.curves import arc, centre_by_radius
 from triaxis.host.motion.moves import Move, Program
 from triaxis.host.motion.path_check import Effort, check_path
 from triaxis.host.motion.path_scene import PathGrid, Segment, Wanted, prepare_path
+from triaxis.host.motion.program import read_program
 from triaxis.host.motion.rule_check import moves_within
 from triaxis.host.quantise import NOWHERE, vector
 from triaxis.host.scene import bulk_near
@@ -183,7 +184,7 @@ def test_nothing_is_missed_on_arcs_and_ways_of_rapids(rng):
         axes = (0, 1, 2) if trial % 4 else (2, 0, 1)
         radius = Fraction(math.hypot(*(float(end[k] - start[k]) for k in axes[:2]))) * Fraction(11, 20)
         clockwise = bool(trial % 3)
-        centre = centre_by_radius(start, end, axes, radius * (-1) ** trial, clockwise)
+        centre, _ = centre_by_radius(start, end, axes, radius * (-1) ** trial, clockwise)
         curve = arc(start, end, axes, centre, clockwise, 1) if trial % 2 else None
         slack = curve.slack if curve else Fraction(0)
         move = Move(1, start, end, curve is None, False, curve, slack)
@@ -287,6 +288,41 @@ def test_a_pose_is_near_where_any_pair_is(rng, engine):
             run = asked.first_near((x, y, z), margin, hints)
             assert 2 * len(clear) < run.tested <= len(hints)
     assert 10 < near < 50
+
+
+def test_half_circles_by_radius_are_those_of_a_control_too(tmp_path):
+    """LinuxCNC takes the middle of the chord where that is next to a diameter."""
+    file = tmp_path / "half.nc"
+    for radius in (10, 1000, 20_000):
+        for short, nearly in ((Fraction(1, 3 * 10**12), True), (Fraction(1, 10**11), False)):
+            end = tuple(2 * radius * (1 - short) * Fraction(c, 5) for c in (3, 4, 0))
+            centre, off = centre_by_radius(NOWHERE, end, (0, 1, 2), Fraction(radius), False)
+            away = math.dist(centre, [c / 2 for c in end[:2]])
+            assert (off > 0) == nearly and (away <= off < 3e-6 * radius or not nearly), (radius, short)
+    # By rs274 about X602.8472 Y797.8567, which is 1.4 um away.
+    file.write_text("G21 G90 G61 G17\nG3 X1205.6943 Y1595.7134 R1000 F900\n")
+    [move] = read_program(file, NOWHERE).moves
+    assert move.curve.slack >= Fraction(14, 10**4)
+
+
+def test_the_width_holds_what_moves_may_be_off():
+    """Here the margin would be above 16 bits, and nothing else is."""
+    corners = [(-8, 0, 0), (0, 0, 3)]
+    for slack, width in ((0, 16), (5, 24)):
+        moves = tuple(replace(move, slack=Fraction(slack)) for move in program_of(corners).moves)
+        program = replace(program_of(corners), moves=moves)
+        a, b = (StlMesh(np.array(facets, np.float64), Fraction(0)) for facets in POINTS)
+        wanted = Wanted(Fraction(62), Fraction(1, 1000), Fraction(1), Fraction(1), None)
+        assert prepare_path(a, b, ("a", "b"), program, wanted).grid.width == width
+
+
+def test_turns_are_looked_into(tmp_path):
+    [move, after] = program_of([(0, 0, 0), (0, 0, 9), (0, 0, 10)]).moves
+    turn = replace(move, end=move.start, turns=(NOWHERE, (Rational(0), Rational(-90), Rational(0))))
+    found = places(Program(Path("moves.nc"), (turn, replace(after, turns=turn.turns[1:] * 2)), ()), 92)
+    assert len([place for place in found if place.move == 0]) > 88
+    assert {place.along for place in found if place.move == 0} == {0}
+    assert found[-1].along == 1
 
 
 @pytest.mark.long
