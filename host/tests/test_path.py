@@ -295,14 +295,14 @@ def test_half_circles_by_radius_are_those_of_a_control_too(tmp_path):
     file = tmp_path / "half.nc"
     for radius in (10, 1000, 20_000):
         for short, nearly in ((Fraction(1, 3 * 10**12), True), (Fraction(1, 10**11), False)):
-            end = tuple(2 * radius * (1 - short) * Fraction(c, 5) for c in (3, 4, 0))
+            end = vector(2 * radius * (1 - short) * Fraction(c, 5) for c in (3, 4, 0))
             centre, off = centre_by_radius(NOWHERE, end, (0, 1, 2), Fraction(radius), False)
             away = math.dist(centre, [c / 2 for c in end[:2]])
             assert (off > 0) == nearly and (away <= off < 3e-6 * radius or not nearly), (radius, short)
     # By rs274 about X602.8472 Y797.8567, which is 1.4 um away.
     file.write_text("G21 G90 G61 G17\nG3 X1205.6943 Y1595.7134 R1000 F900\n")
     [move] = read_program(file, NOWHERE).moves
-    assert move.curve.slack >= Fraction(14, 10**4)
+    assert move.slack >= Fraction(14, 10**4)
 
 
 def test_the_width_holds_what_moves_may_be_off():

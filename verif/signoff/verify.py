@@ -95,10 +95,10 @@ def _figures(parts: dict[str, Any]) -> dict[str, Any]:
 
 
 def _open(value: Any, where: str) -> Iterator[str]:
-    named = dict(enumerate(value)) if isinstance(value, list) else value if isinstance(value, dict) else {}
-    for key, held in named.items():
+    of: Any = dict(enumerate(value)) if isinstance(value, list) else value if isinstance(value, dict) else {}
+    for key, held in of.items():
         bad = held in ("open", "failed") or (key in NONE and held) or (key in SOME and held in (0, [], {}))
-        if bad or (key in YES and held is not True and named.get("result") != ABSENT):
+        if bad or (key in YES and held is not True and of.get("result") != ABSENT):
             yield f"{where}.{key}: {held}"
         yield from _open(held, f"{where}.{key}")
 
