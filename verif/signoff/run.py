@@ -127,4 +127,4 @@ def _forget_builds() -> None:
         with FileLock(lock):
             shutil.rmtree(lock.with_name(lock.name.removesuffix(".lock")), ignore_errors=True)
     for library in NATIVE.glob("*.so"):
-        library.unlink()
+        library.unlink(missing_ok=True)
