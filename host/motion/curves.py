@@ -26,7 +26,7 @@ _TOO_SHORT = 0.00127
 _NEARLY_HALF = Fraction(2, 10**6)
 # Radians.
 _NOTHING = 1e-6
-_SAMPLES = 16
+_SAMPLES, _CHORDS = 16, 32
 
 
 @dataclass(frozen=True)
@@ -51,6 +51,12 @@ class Curve:
     def turns(self) -> int:
         """Return how often it goes round, rounded up; 1 where it does not."""
         return 1
+
+    @property
+    def length(self) -> float:
+        """Return its length in millimetres, nearly."""
+        points = [[float(c) for c in self.at(Fraction(k, _CHORDS))] for k in range(_CHORDS + 1)]
+        return sum(math.dist(*ends) for ends in pairwise(points))
 
     def moved(self, by: Vector) -> "Curve":
         """Return the curve elsewhere."""
@@ -80,6 +86,12 @@ class Arc(Curve):
     def turns(self) -> int:
         """Return how often it goes round, rounded up."""
         return max(1, math.ceil(abs(self.sweep) / (2 * math.pi)))
+
+    @property
+    def length(self) -> float:
+        """Return that of a helix of the mean radius, which a spiral's nearly is."""
+        along = float(self.end[self.axes[2]] - self.start[self.axes[2]])
+        return math.hypot(sum(self.radii) / 2 * self.sweep, along)
 
     def _point(self, part: float) -> Sequence[float]:
         a, b, c = self.axes
@@ -121,6 +133,11 @@ class Turned(Curve):
     def turns(self) -> int:
         """Return how often the curve goes round that is turned."""
         return self.of.turns
+
+    @property
+    def length(self) -> float:
+        """Return that of the curve that is turned."""
+        return self.of.length
 
     def _point(self, part: float) -> Sequence[float]:
         x, y, z = (float(c) for c in self.of.at(Fraction(part)))

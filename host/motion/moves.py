@@ -1,5 +1,6 @@
 """The moves of a program, and what was assumed in reading it."""
 
+import math
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -23,8 +24,8 @@ _STATE = {
 }  # fmt: skip
 _CALL = re.compile(r"^\s*(?:N\s*\d+\s*)?O.*CALL", re.IGNORECASE | re.ASCII)
 _COMMENT = re.compile(r"\([^)]*\)|;.*")
-# Chords that a curve is drawn with.
-_DRAWN = 32
+# Chords that a turn of a curve is drawn with, and of how many turns: more are a ring of ink.
+_DRAWN, _DRAWN_TURNS = 32, 100
 
 
 @dataclass(frozen=True)
@@ -62,13 +63,16 @@ class Move:
     @property
     def corners(self) -> Facets:
         """Return points on the way, straight from one to the next to look at, (N, 3) in millimetres."""
-        parts = [Fraction(k, _DRAWN) for k in range(_DRAWN + 1)] if self.curve is not None else (0, 1)
-        return np.array([[float(c) for c in self.at(Fraction(part))] for part in parts])
+        chords = 1 if self.curve is None else _DRAWN * min(self.curve.turns, _DRAWN_TURNS)
+        parts = (Fraction(k, chords) for k in range(chords + 1))
+        return np.array([[float(c) for c in self.at(part)] for part in parts])
 
     @property
     def length(self) -> float:
         """Return its Euclidean length in millimetres; a rapid is taken for straight."""
-        return float(np.linalg.norm(np.diff(self.corners, axis=0), axis=1).sum())
+        if self.curve is not None:
+            return self.curve.length
+        return math.dist(map(float, self.start), map(float, self.end))
 
     @property
     def extent(self) -> tuple[Vector, Vector]:

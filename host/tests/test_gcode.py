@@ -349,6 +349,14 @@ def test_curves_stay_by_their_chords(tmp_path_factory, numbers, plane, clockwise
         assert (np.array(low) <= true).all() and (true <= np.array(high)).all()
 
 
+@pytest.mark.parametrize("turns", [1, 3, 32, 100])
+def test_many_turns_are_as_long_and_drawn_as_they_are(read, turns):
+    (move,) = read(f"F1 G3 X0 Y0 Z9 I5 P{turns}").moves
+    length = math.hypot(10 * math.pi * turns, 9)
+    assert move.length == pytest.approx(length)
+    assert np.linalg.norm(np.diff(move.corners, axis=0), axis=1).sum() == pytest.approx(length, rel=0.01)
+
+
 def test_arcs_by_radius_and_splines(read):
     for text, middle in (
         ("F1 G2 X2 R1", (1, 1)), ("F1 G3 X2 R1", (1, -1)),
