@@ -99,7 +99,7 @@ theorem: $(READY) ## have Coq check why the 32 axes decide (Debian: apt-get inst
 NETLIST ?=
 CELLS   ?=
 netlist: $(READY) $(YOSYS) ## run the tests on the netlists, prove modules equal to theirs: many minutes
-	@$(BIN)/triaxis prove netlist --seed $(SEED) $(if $(NETLIST),--netlist "$(NETLIST)" --config $(or $(CONFIG),w16_m0)) $(if $(CELLS),--cells "$(CELLS)")
+	@$(BIN)/triaxis prove netlist --seed $(SEED) $(if $(NETLIST),--netlist "$(NETLIST)" $(if $(CONFIG),--config $(CONFIG))) $(if $(CELLS),--cells "$(CELLS)")
 
 results: $(READY) ## pages of all regressions, sign-offs and mutants over time, in build/results/
 	@$(BIN)/triaxis results
@@ -192,7 +192,7 @@ docs: $(SITE) ## make a site of the documents, with search, in build/site/
 	@NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build -q -f .ci/site.yml && echo "written to build/site/: \`$(PYTHON) -m http.server -d build/site\` serves it"
 
 # From what git holds alone: setuptools would take what an earlier build left behind.
-package: $(READY) ## make the wheel in dist/: check, path, verdict, scene outside a checkout; with [signoff] sim
+package: $(READY) ## make the wheel in dist/: check, path, watch, board, verdict, scene, tritest outside a checkout; with [signoff] sim
 	rm -rf build/package && mkdir -p build/package dist
 	git archive HEAD | tar -x -C build/package
 	$(BIN)/python -m pip wheel -q --no-deps --no-build-isolation -w dist build/package

@@ -175,13 +175,10 @@ def real_meshes() -> Path | None:
 
 
 def add_mesh(parser: argparse.ArgumentParser) -> None:
-    """Add the arguments of ``bench mesh``."""
-    parser.description = (
-        "Count the cycles of the simulated mesh engine in the worst case, on close scenes and on objects "
-        "apart, against their bounds; compare every scene with the bulk checker. Scenes of real meshes are "
-        "left out where their folder ($TRIAXIS_DATA, or ../shared/data) is absent. Writes "
-        "build/bench/mesh.json."
-    )
+    """Count the cycles of the simulated mesh engine in the worst case, on close scenes and on objects
+    apart, against their bounds; compare every scene with the bulk checker. Scenes of real meshes are left
+    out where their folder ($TRIAXIS_DATA, or ../shared/data) is absent. Writes build/bench/mesh.json.
+    """
     parser.set_defaults(run=lambda _: report(harness.FOLDER / "mesh.json", _measured))
 
 

@@ -124,13 +124,11 @@ MEASUREMENTS: dict[str, Callable[[], float]] = {
 
 
 def add_sim(parser: argparse.ArgumentParser) -> None:
-    """Add the arguments of ``bench sim``."""
-    parser.description = (
-        "Measure pairs a second of the bare core (W = 16, 24 and 32, each beside a build with Verilator's "
-        "own arithmetic; W = 16 in lockstep too), the burst environment, the pin environment and the bulk "
-        "checker, at M = 0, and tell their ratios beside what is aimed at: rates of one machine "
-        "at one time, which no verdict follows from. Writes build/bench/sim.json."
-    )
+    """Measure pairs a second of the bare core (W = 16, 24 and 32, each beside a build with Verilator's
+    own arithmetic; W = 16 in lockstep too), the burst environment, the pin environment and the bulk
+    checker, at M = 0, and tell their ratios beside what is aimed at: rates of one machine at one time,
+    which no verdict follows from. Writes build/bench/sim.json.
+    """
     parser.set_defaults(run=lambda _: report(harness.FOLDER / "sim.json", _measured))
 
 

@@ -9,15 +9,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
 
-from triaxis.fpga.board_build import (
-    BOARD_LIMITS,
-    NO_LIMITS,
-    TOP,
-    WHOLE_PART,
-    XC7A100T,
-    Limits,
-    Resources,
-)
+from triaxis.fpga.board_build import BOARD_LIMITS, NO_LIMITS, TOP, WHOLE_PART, XC7A100T, Limits, Resources
 from triaxis.fpga.logic_depth import LogicDepth
 from triaxis.golden.outputs import write_whole
 from triaxis.sim.configuration import CERTIFIED_TOP, CORE_TOP

@@ -56,12 +56,17 @@ _METADATA: dict[str, dict[str, Any] | None] = {".png": None, ".svg": {"Date": No
 _STYLE: dict[Any, Any] = {"svg.hashsalt": "triaxis", "svg.fonttype": "none"}
 
 
-def write_figure(figure: Figure, path: Path) -> Path:
-    """Write as PNG or SVG, as the name ends; raise InputError where that cannot be done."""
+def drawn(figure: Figure, suffix: str = ".svg") -> bytes:
+    """Return what a file of that kind holds: the same for the same figure."""
     content = io.BytesIO()
     with rc_context(_STYLE):
-        figure.savefig(content, format=path.suffix[1:], metadata=_METADATA[path.suffix])
-    return write_whole(path, content.getvalue())
+        figure.savefig(content, format=suffix[1:], metadata=_METADATA[suffix])
+    return content.getvalue()
+
+
+def write_figure(figure: Figure, path: Path) -> Path:
+    """Write as PNG or SVG, as the name ends; raise InputError where that cannot be done."""
+    return write_whole(path, drawn(figure, path.suffix))
 
 
 def write_figures(figure: Figure, path: Path) -> list[Path]:

@@ -111,14 +111,12 @@ def _against_cgal(results: list[WorkloadResult]) -> Demand:
 
 
 def add_error(parser: argparse.ArgumentParser) -> None:
-    """Add the arguments of ``bench error``."""
-    parser.description = (
-        "Ask whether pairs of float32 triangles collide: the core at eight widths, in collision mode and in "
-        "no-miss mode, the bulk checker, the golden model, and those of python-fcl, coal, CGAL, libigl, VTK, "
-        "Open3D and trimesh that are installed (`make peers`; CGAL also by its C++ headers, Debian: "
-        "libcgal-dev). Compare with exact rational verdicts. Writes build/bench/error.json, error.png and "
-        "error.svg. A run that was interrupted goes on with the same command."
-    )
+    """Ask whether pairs of float32 triangles collide: the core at eight widths, in collision mode and in
+    no-miss mode, the bulk checker, the golden model, and those of python-fcl, coal, CGAL, libigl, VTK,
+    Open3D and trimesh that are installed (`make peers`; CGAL also by its C++ headers, Debian:
+    libcgal-dev). Compare with exact rational verdicts. Writes build/bench/error.json, error.png and
+    error.svg. A run that was interrupted goes on with the same command.
+    """
     add_seed(parser, "what the pairs follow from")
     parser.set_defaults(
         run=lambda options: report(harness.FOLDER / "error.json", partial(_measured, options.seed))

@@ -121,10 +121,8 @@ def _measured(options: argparse.Namespace) -> Findings:
 
 
 def add_programs(parser: argparse.ArgumentParser) -> None:
-    """Add the command's arguments."""
-    parser.description = (
-        "Read all programs of a folder that LinuxCNC's interpreter completes (Debian: linuxcnc-uspace), with "
-        "it and by our own reader, for a machine that has whatever they ask for, and say what is refused."
-    )
+    """Read all programs of a folder that LinuxCNC's interpreter completes (Debian: linuxcnc-uspace), with
+    it and by our own reader, for a machine that has whatever they ask for, and say what is refused.
+    """
     parser.add_argument("folder", type=Path, metavar="FOLDER", help="with programs, also in folders of it")
     parser.set_defaults(run=lambda options: report(RESULT, lambda: _measured(options)))

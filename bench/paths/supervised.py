@@ -88,11 +88,9 @@ class Supervised:
 
 
 def add_follow(parser: argparse.ArgumentParser) -> None:
-    """Add the command's arguments."""
-    parser.description = (
-        "Supervise a moving tool on the simulated board, segment by segment, without a stop; plant "
-        "collisions all over the program, and measure how soon each stops it. Writes build/bench/follow.json."
-    )
+    """Supervise a moving tool on the simulated board, segment by segment, without a stop; plant
+    collisions all over the program, and measure how soon each stops it. Writes build/bench/follow.json.
+    """
     parser.add_argument("--segments", type=int, default=SEGMENTS, metavar="N", help=f"so many ({SEGMENTS:,})")
     parser.add_argument("--planted", type=int, default=PLANTED, metavar="N", help=f"so many ({PLANTED:,})")
     parser.set_defaults(run=lambda options: report(RESULT, lambda: _measured(options)))

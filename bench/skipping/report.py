@@ -21,14 +21,12 @@ from triaxis.host.cli.terminal import progress_bar, table
 
 
 def add_skipping(parser: argparse.ArgumentParser) -> None:
-    """Add the arguments of ``bench skipping``."""
-    parser.description = (
-        "Count the facet pairs that each stage of the mesh engine skips, its cycles, and the time of the "
-        "bulk checker with and without the broad phase; ask FCL and trimesh about the same meshes, where "
-        "they are installed; measure the broad phase from 10^3 to 10^6 facets. Scenes of real meshes are "
-        "left out where their folder ($TRIAXIS_DATA, or ../shared/data) is absent. Writes "
-        "build/bench/skipping.json and a picture of it."
-    )
+    """Count the facet pairs that each stage of the mesh engine skips, its cycles, and the time of the
+    bulk checker with and without the broad phase; ask FCL and trimesh about the same meshes, where they
+    are installed; measure the broad phase from 10^3 to 10^6 facets. Scenes of real meshes are left out
+    where their folder ($TRIAXIS_DATA, or ../shared/data) is absent. Writes build/bench/skipping.json and
+    a picture of it.
+    """
     add_seed(parser)
     parser.set_defaults(
         run=lambda options: report(harness.FOLDER / "skipping.json", partial(_measured, options.seed))
@@ -54,10 +52,7 @@ def findings(result: SkippingResult) -> Findings:
         "engine": CONFIGURATION.name,
         "clock_mhz": CLOCK_MHZ,
         "times": "seconds of processor time, one thread, least of several rounds",
-        "bounds": {
-            "least_pairs_a_cycle": LEAST_RATIO,
-            "most_comparison_exponent": MOST_COMPARED,
-        },
+        "bounds": {"least_pairs_a_cycle": LEAST_RATIO, "most_comparison_exponent": MOST_COMPARED},
         "totals": {
             "pairs": pairs,
             "cycles": cycles,
@@ -75,11 +70,7 @@ def findings(result: SkippingResult) -> Findings:
         f"phase; comparisons grow with exponents {exponents}",
         result.problems,
         content,
-        [
-            _stage_table(result),
-            _package_table(result),
-            *_growth_tables(result),
-        ],
+        [_stage_table(result), _package_table(result), *_growth_tables(result)],
         {"skipping": lambda: figure_of(result)},
         [f"absent: {each.name}: {each.why_absent}" for each in result.packages if each.version is None],
     )

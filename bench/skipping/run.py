@@ -33,9 +33,8 @@ from triaxis.golden.bulk import bulk_verdicts
 from triaxis.golden.pairs import NO_AXIS
 from triaxis.golden.scene import SceneAnswer, scene_answer
 from triaxis.host.broadphase import in_order
-from triaxis.host.engines import Integers, MeshEngineScene
+from triaxis.host.engines import Integers, MeshEngineScene, parts_of
 from triaxis.sim.mesh_configuration import MeshConfiguration
-from triaxis.sim.mesh_engine import spatial_order
 
 # The first axes of their kinds behind the three box axes; see `triaxis.golden.axes`.
 _NORMALS, _EDGES, _EDGE_BOXES = 3, 5, 14
@@ -84,20 +83,15 @@ def stage_answer(a: Integers, b: Integers, margin: int, engine: MeshConfiguratio
     Meshes beyond its depth are loaded in parts; a part is an object of its own.
     """
     stages, near = Stages(), [np.empty((0, 2), np.int64)]
-    for in_a, in_b in product(_parts(a, engine), _parts(b, engine)):
-        answer = scene_answer(a[in_a], b[in_b], margin, engine.group)
+    parts = (parts_of(mesh, engine.depth, engine.group) for mesh in (a, b))
+    for in_a, in_b in product(*parts):
+        answer = scene_answer(in_a.facets, in_b.facets, margin, engine.group)
         i, j = answer.to_be_tested.T
-        verdicts = bulk_verdicts(np.stack([a[in_a[i]], b[in_b[j]]], 1), margin)
+        verdicts = bulk_verdicts(np.stack([in_a.facets[i], in_b.facets[j]], 1), margin)
         stages += _stages(answer, verdicts["axis"])
         i, j = answer.near_pairs.T
-        near.append(np.stack([in_a[i], in_b[j]], 1))
+        near.append(np.stack([in_a.numbers[i], in_b.numbers[j]], 1))
     return StageAnswer(stages, in_order(np.concatenate(near)))
-
-
-def _parts(facets: Integers, engine: MeshConfiguration) -> list[Integers]:
-    """Return the numbers of the facets that the engine holds at a time, in the order of loading."""
-    order = spatial_order(facets, engine.group)
-    return [order[start : start + engine.depth] for start in range(0, len(order), engine.depth)]
 
 
 def _stages(answer: SceneAnswer, axis: Integers) -> Stages:

@@ -172,10 +172,7 @@ def measure(pairs: Ints, core: Core = rtl_core, margin: int | None = None) -> Se
     wanted = margin_for(CLEARANCE, grid) if margin is None else margin
     rounded = _on(grid, facets)
     at_zero, at_margin = (_asked(core, ROUNDING_WIDTH, rounded, m) for m in (0, wanted))
-    own = [
-        errors(at_zero, bulk_facts(rounded, 0).near),
-        errors(at_margin, bulk_facts(rounded, wanted).near),
-    ]
+    own = [errors(at_zero, bulk_facts(rounded, 0).near), errors(at_margin, bulk_facts(rounded, wanted).near)]
     # Where a core holds the pairs as they are, so does the bulk checker, about an offset of their own.
     whole = pairs if width is None else _on(grid_around([box_of(facets)], Fraction(1), width), facets)
     exact = ExactPairs(whole.astype(np.int64), bulk=width is not None)

@@ -8,12 +8,7 @@ import pytest
 
 from triaxis.bench import harness
 from triaxis.bench.stress import measuring, report
-from triaxis.bench.stress.constructions import (
-    WIDTH,
-    contacts_at,
-    near_misses,
-    nearly_coplanar,
-)
+from triaxis.bench.stress.constructions import WIDTH, contacts_at, near_misses, nearly_coplanar
 from triaxis.bench.stress.families import FAMILIES
 from triaxis.bench.stress.measuring import FamilyResult, StressResult, measure
 from triaxis.bench.stress.methods import guigue_devillers, moller, separating_axes

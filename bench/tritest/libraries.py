@@ -55,11 +55,7 @@ def _by_paper(method: Callable[..., Any], kind: type[np.floating[Any]], a: Reals
     return Question(lambda: method(*turned))
 
 
-_PAPERS = {
-    "SAT 1996": separating_axes,
-    "Moller 1997": moller,
-    "Guigue Devillers 2003": guigue_devillers,
-}
+_PAPERS = {"SAT 1996": separating_axes, "Moller 1997": moller, "Guigue Devillers 2003": guigue_devillers}
 OURS = (
     Peer("Triaxis core", "triaxis", "the simulated core, 32 bits", _own_version,
          partial(_by_verdicts, lambda *asked: _core().verdicts(*asked)), batched=True),

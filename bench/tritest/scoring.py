@@ -10,15 +10,7 @@ from pathlib import Path
 from typing import IO, Any
 
 from triaxis.bench.tritest.libraries import CLEAR, COLLIDES, UNTOLD
-from triaxis.bench.tritest.recheck import (
-    Case,
-    Family,
-    SetError,
-    case_of,
-    families_of,
-    fault_of,
-    lines_of,
-)
+from triaxis.bench.tritest.recheck import Case, Family, SetError, case_of, families_of, fault_of, lines_of
 from triaxis.golden.errors import InputError
 from triaxis.golden.exact import triangle_rank
 

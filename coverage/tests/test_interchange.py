@@ -24,10 +24,7 @@ def source(tmp_path):
 @pytest.fixture
 def models(tmp_path, source):
     """Counters of two models: the arm in line 10, and the way of line 14, are hit in no instance of any."""
-    one = {
-        FIRST: [10, 4, 6, 9, 0, 2, 7, 0, 5, 1, 2, 8, 3],
-        SECOND: [10, 0, 10, 9, 0, 9, 0, 0, 5, 1, 2, 8, 3],
-    }
+    one = {FIRST: [10, 4, 6, 9, 0, 2, 7, 0, 5, 1, 2, 8, 3], SECOND: [10, 0, 10, 9, 0, 9, 0, 0, 5, 1, 2, 8, 3]}
     two = {FIRST: [100, 0, 100, 50, 0, 0, 50, 0, 1, 1, 0, 60, 5]}
     counts = {"one": one, "two": two}
     return [write_counters(tmp_path / f"{name}.dat", source, each) for name, each in counts.items()]

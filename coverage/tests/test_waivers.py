@@ -10,11 +10,7 @@ from hypothesis import strategies as st
 from triaxis.coverage.core_coverage import core_model
 from triaxis.coverage.core_proofs import CATEGORIES as PROOFS
 from triaxis.coverage.cover_model import Kind
-from triaxis.coverage.waiver_upkeep import (
-    other_rtl,
-    waiver_problems,
-    waiver_records,
-)
+from triaxis.coverage.waiver_upkeep import other_rtl, waiver_problems, waiver_records
 from triaxis.coverage.waivers import (
     WAIVERS,
     BoundError,

@@ -8,12 +8,7 @@ from typing import Any
 
 from triaxis.host.advice.measuring import Measured, Position, measure
 from triaxis.host.advice.wanted import AdviceScene, Wanted
-from triaxis.host.advice.widths import (
-    Board,
-    WidthRow,
-    length,
-    resources_reason,
-)
+from triaxis.host.advice.widths import Board, WidthRow, length, resources_reason
 from triaxis.host.engines import Progress, unwatched
 from triaxis.host.quantise import extent_of, widest_extent
 from triaxis.host.report import milliseconds

@@ -1,8 +1,8 @@
 """The command line ``triaxis``.
 
-Exit codes, of all commands: 0 done, or the answer is yes (`check`, `path`: clear); 1 the answer is no
-(`check`, `path`: near; others: failed, or a bound missed); 2 bad input or a missing tool: there is no answer;
-130 interrupted. What 0 and 1 mean for a command stands in `triaxis.host.cli.commands`, and in its help.
+Exit codes, of all commands: 0 done, or the answer is yes; 1 the answer is no, something failed, or a bound is
+missed; 2 bad input or a missing tool: there is no answer; 130 interrupted. What 0 and 1 mean for a command
+stands in `triaxis.host.cli.commands`, and in its help.
 
 This module is small, and imports little: what an earlier run answered is removed, and interrupts are
 understood, before anything that takes time is imported.

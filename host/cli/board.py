@@ -18,22 +18,18 @@ _WATCHDOG_CLOCKS = 100_000
 
 
 def add_status(parser: argparse.ArgumentParser) -> None:
-    """Add the arguments of ``board status``."""
-    parser.description = (
-        "Print what the board is, and its status. This takes the board: its output says stop, and its "
-        "meshes are emptied. A board in use by another program is not taken."
-    )
+    """Print what the board is, and its status. This takes the board: its output says stop, and its meshes
+    are emptied. A board in use by another program is not taken.
+    """
     add_port(parser)
     parser.set_defaults(run=_status)
 
 
 def add_check(parser: argparse.ArgumentParser) -> None:
-    """Add the arguments of ``board check``."""
-    parser.description = (
-        "Decide on the board what `triaxis check` decides. The verdict is unknown, with exit code 2, where "
-        "anything about the board's answer is not as it must be. Where one mesh is inside the other, or may "
-        "be, the board is not asked, so it never says go."
-    )
+    """Decide on the board what `triaxis check` decides. The verdict is unknown, with exit code 2, where
+    anything about the board's answer is not as it must be. Where one mesh is inside the other, or may be,
+    the board is not asked, so it never says go.
+    """
     add_meshes(parser, Fraction(1, 100))
     add_port(parser)
     modes = parser.add_mutually_exclusive_group()
@@ -55,11 +51,9 @@ def add_check(parser: argparse.ArgumentParser) -> None:
 
 
 def add_simulate(parser: argparse.ArgumentParser) -> None:
-    """Add the arguments of ``board simulate``."""
-    parser.description = (
-        "Simulate the board's whole design, print the path of its serial port, and serve it until "
-        "interrupted."
-    )
+    """Simulate the board's whole design, print the path of its serial port, and serve it until
+    interrupted.
+    """
     parser.add_argument("--width", type=int, default=16, metavar="W", help="coordinate bits (16)")
     parser.add_argument(
         "--depth", type=int, default=4096, metavar="N", help="triangles a mesh, a power of two (4096)"

@@ -41,13 +41,11 @@ CHEBYSHEV, EUCLIDEAN = "chebyshev", "euclidean"
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Add the command's arguments."""
-    parser.description = (
-        "Decide whether any facet of A comes within the clearance (Chebyshev distance) of any facet of B, or "
-        "a part of one of them is inside the other. The margin covers the rounding to the grid, so a pair "
-        "within the clearance is never missed; a false alarm is less than three steps of the resolution, "
-        "plus twice what reading and turning rounded, beyond it."
-    )
+    """Decide whether any facet of A comes within the clearance (Chebyshev distance) of any facet of B, or
+    a part of one of them is inside the other. The margin covers the rounding to the grid, so a pair
+    within the clearance is never missed; a false alarm is less than three steps of the resolution, plus
+    twice what reading and turning rounded, beyond it.
+    """
     add_meshes(parser, Fraction(1, 1000))
     parser.add_argument(
         "--width", type=int, metavar="W",

@@ -9,6 +9,7 @@ import os
 import re
 from collections.abc import Callable, Iterator, Mapping
 from importlib import import_module
+from inspect import getdoc
 from pathlib import Path
 from typing import Any, NamedTuple, NoReturn
 
@@ -108,12 +109,12 @@ COMMANDS = {
         "verif.commands.inject", ("each test came to a verdict on each", "one did not"),
     ),
     "prove certificates": Command(
-        "see that no mutant of the data path gets a wrong clear through certificates",
+        "see that no mutant of what the core alone has gets a wrong clear through certificates",
         "verif.commands.inject", ("each is near, with a fault", "one comes through"),
     ),
     "prove upsets": Command(
         "invert bits of the running board, and count what comes of it", "verif.commands.inject",
-        ("nothing dangerous", "something"),
+        ("nothing dangerous with the measures, and something without", "not"),
     ),
     "coverage plan": Command(
         "print the testplan and check that nothing is missing in it", "verif.commands.coverage",
@@ -405,6 +406,8 @@ def runner(name: str, words: list[str]) -> Callable[[], int]:
     parser = _Parser(name, COMMANDS[name])
     module = import_module(f"triaxis.{COMMANDS[name].module}")
     own = name.partition(" ")[2].replace("-", "_")
-    getattr(module, f"add_{own or 'arguments'}")(parser)
+    add = getattr(module, f"add_{own or 'arguments'}")
+    parser.description = getdoc(add)
+    add(parser)
     options: Any = parser.parse_args(words)
     return lambda: options.run(options)

@@ -12,12 +12,7 @@ from triaxis.golden.errors import InputError
 from triaxis.golden.pairs import check_width
 from triaxis.host.cli import DONE, NO
 from triaxis.host.cli.arguments import add_numbers
-from triaxis.host.cli.check import (
-    EUCLIDEAN,
-    add_distance,
-    by_distance,
-    refuse_distance,
-)
+from triaxis.host.cli.check import EUCLIDEAN, add_distance, by_distance, refuse_distance
 from triaxis.host.cli.engine import about, add_engine, board_of, self_tested, width_of
 from triaxis.host.cli.path_report import (
     Profile,
@@ -54,16 +49,14 @@ _STEPS_OF_ZONE = 1 << 31
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Add the command's arguments."""
-    parser.description = (
-        "Move the tool along the program and find the first pose within the clearance (Chebyshev distance) "
-        "of the workpiece, or prove that there is none: every real position of the path is covered, not "
-        "only samples; being inside the other is near. The program's position is where the origin of "
-        "TOOL.stl is, in the frame of WORK.stl. G-code as LinuxCNC has it, with arcs, drilling cycles, "
-        "offsets, parameters and subroutines; what is not followed is refused. A rapid may be any way on "
-        "which no axis turns back. Lengths in millimetres. A board that is asked says go at each clear pose, "
-        "and stop at the end: no machine may take its output for the verdict on a path."
-    )
+    """Move the tool along the program and find the first pose within the clearance (Chebyshev distance)
+    of the workpiece, or prove that there is none: every real position of the path is covered, not only
+    samples; being inside the other is near. The program's position is where the origin of TOOL.stl is, in
+    the frame of WORK.stl. G-code as LinuxCNC has it, with arcs, drilling cycles, offsets, parameters and
+    subroutines; what is not followed is refused. A rapid may be any way on which no axis turns back.
+    Lengths in millimetres. A board that is asked says go at each clear pose, and stop at the end: no
+    machine may take its output for the verdict on a path.
+    """
     add_program(parser, Fraction(1, 1000))
     step = (
         f"longest piece of path on which a near pose ends the check ({_STEPS} R); a false alarm is less than "

@@ -43,11 +43,9 @@ _KEPT = BUILD / "fpga" / "dsp_counts.json"
 
 
 def add_examples(parser: argparse.ArgumentParser) -> None:
-    """Add the arguments of ``scene examples``."""
-    parser.description = (
-        "Write the scenes of the sign-off as pairs of binary STL files, in millimetres, and a mill with five "
-        "axes: a machine file, meshes, programs."
-    )
+    """Write the scenes of the sign-off as pairs of binary STL files, in millimetres, and a mill with five
+    axes: a machine file, meshes, programs.
+    """
     parser.add_argument("folder", type=named_folder, metavar="FOLDER", help="where to write them")
     parser.set_defaults(run=_examples)
 
@@ -61,14 +59,11 @@ def _examples(options: argparse.Namespace) -> int:
 
 
 def add_advise(parser: argparse.ArgumentParser) -> None:
-    """Add the arguments of ``scene advise``."""
-    parser.description = (
-        "Choose W: the smallest width with which no pair within the clearance is missed, no false alarm is "
-        "further than the band beyond it, and the whole board fits. The first mesh moves, the others "
-        "stay. False alarms and cycles are measured on the scene itself, against the exact distances of "
-        "the facets as they are; DSP blocks are counted on the elaborated board. Surfaces only. Lengths in "
-        "millimetres."
-    )
+    """Choose W: the smallest width with which no pair within the clearance is missed, no false alarm is
+    further than the band beyond it, and the whole board fits. The first mesh moves, the others stay.
+    False alarms and cycles are measured on the scene itself, against the exact distances of the facets as
+    they are; DSP blocks are counted on the elaborated board. Surfaces only. Lengths in millimetres.
+    """
     parser.add_argument(
         "scene", type=Path, nargs="+", metavar="SCENE.stl",
         help="two or more binary or ASCII STL files in one frame; the first one moves",

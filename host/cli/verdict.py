@@ -14,11 +14,9 @@ from triaxis.sim.core_engine import RtlEngine, configuration_for
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Add the command's arguments."""
-    parser.description = (
-        "Decide pairs of triangles: near(A, B, margin) is true exactly when the Chebyshev distance of A "
-        "and B is at most the margin."
-    )
+    """Decide pairs of triangles: near(A, B, margin) is true exactly when the Chebyshev distance of A and
+    B is at most the margin.
+    """
     parser.add_argument(
         "pairs", type=Path, metavar="PAIRS.npy",
         help="integers of shape (N, 2, 3, 3): pair; A then B; vertex; coordinate",

@@ -60,16 +60,14 @@ _LISTED, _ALIVE_SECONDS = 10, 0.03
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Add the arguments of ``watch``."""
-    parser.description = (
-        "Permit a machine to go through a program without a stop: while the tool is in one piece of the "
-        "path, the next is checked on the board, whose output says go from one to the next. It says stop "
-        "where a piece is near, where the tool is not where it may be, and where an answer or a position is "
-        "late. The control says where the tool is, in lines of X Y Z in millimetres, with the tool's number "
-        "and A B C in degrees where these change; their end is the end of the machining. It says stop while "
-        "a tool is changed, or A, B, C turn, until the machine is where the next part of the program begins. "
-        "What is cut away is not known: give what must not be touched, and the blank as --stock."
-    )
+    """Permit a machine to go through a program without a stop: while the tool is in one piece of the
+    path, the next is checked on the board, whose output says go from one to the next. It says stop where
+    a piece is near, where the tool is not where it may be, and where an answer or a position is late. The
+    control says where the tool is, in lines of X Y Z in millimetres, with the tool's number and A B C in
+    degrees where these change; their end is the end of the machining. It says stop while a tool is
+    changed, or A, B, C turn, until the machine is where the next part of the program begins. What is cut
+    away is not known: give what must not be touched, and the blank as --stock.
+    """
     add_program(parser, Fraction(1, 100))
     add_numbers(parser, "--speed", "V", "the fastest that any axis moves, in mm/s: needed", None)
     add_numbers(

@@ -10,13 +10,7 @@ from triaxis.fpga.dsp_count import DspCount
 from triaxis.golden.judge import CertificateError
 from triaxis.host.advice import widths
 from triaxis.host.advice.choosing import advise
-from triaxis.host.advice.measuring import (
-    EngineShape,
-    TooManyError,
-    exact_near,
-    measure,
-    positions_of,
-)
+from triaxis.host.advice.measuring import EngineShape, TooManyError, exact_near, measure, positions_of
 from triaxis.host.advice.wanted import NamedMesh, Wanted, advice_scene
 from triaxis.host.advice.widths import Board, width_row, with_resources
 from triaxis.host.cli import main

@@ -28,15 +28,7 @@ from triaxis.host.cli.arguments import add_seed, positive
 from triaxis.host.cli.terminal import print_list, progress_bar, table
 from triaxis.sim.build import rtl_hash
 from triaxis.sim.paths import BUILD, ROOT
-from triaxis.verif.code_coverage.run import (
-    COUNTERS,
-    PAIRS,
-    RESULT,
-    STEPS,
-    CodeCoverage,
-    measure,
-    write_json,
-)
+from triaxis.verif.code_coverage.run import COUNTERS, PAIRS, RESULT, STEPS, CodeCoverage, measure, write_json
 from triaxis.verif.regress.coverage_models import model_named
 from triaxis.verif.regress.definition import in_checkout
 from triaxis.verif.signoff.plan import FOLDER
@@ -57,11 +49,9 @@ _SHOWN = 40
 
 
 def add_plan(parser: argparse.ArgumentParser) -> None:
-    """Add the arguments of ``coverage plan``."""
-    parser.description = (
-        "Print each testpoint with its stage, what runs for it, and how many coverage bins, assertions and "
-        "mutants it owns; then everything that the linter refuses."
-    )
+    """Print each testpoint with its stage, what runs for it, and how many coverage bins, assertions and
+    mutants it owns; then everything that the linter refuses.
+    """
     parser.add_argument("plan", nargs="?", type=Path, default=TESTPLAN, help="the testplan (the project's)")
     parser.set_defaults(run=_plan)
 
@@ -107,11 +97,9 @@ def _bin_count(testpoint: Testpoint, known: Inventory) -> int:
 
 
 def add_code(parser: argparse.ArgumentParser) -> None:
-    """Add the arguments of ``coverage code``."""
-    parser.description = (
-        "Run the environment's tests on builds with coverage counters, and set what was not hit against "
-        "coverage/waivers.toml. Writes build/coverage/code.json."
-    )
+    """Run the environment's tests on builds with coverage counters, and set what was not hit against
+    coverage/waivers.toml. Writes build/coverage/code.json.
+    """
     add_seed(parser)
     told = f"of the test of all families, on each core ({PAIRS}); of others in proportion"
     parser.add_argument("--pairs", type=positive, default=PAIRS, help=told)
@@ -158,11 +146,9 @@ def _totals(result: CodeCoverage) -> Table:
 
 
 def add_page(parser: argparse.ArgumentParser) -> None:
-    """Add the arguments of ``coverage page``."""
-    parser.description = (
-        "Add up the functional coverage of runs, and write every bin with its count, goal and exclusion as a "
-        "page; print how many of each model are hit."
-    )
+    """Add up the functional coverage of runs, and write every bin with its count, goal and exclusion as a
+    page; print how many of each model are hit.
+    """
     parser.add_argument(
         "runs", nargs="+", type=Path, metavar="RUN",
         help="folders of runs, as in build/runs/, or their coverage.json",
@@ -186,13 +172,11 @@ def _page(options: argparse.Namespace) -> int:
 
 
 def add_export(parser: argparse.ArgumentParser) -> None:
-    """Add the arguments of ``coverage export``."""
-    parser.description = (
-        "Write line and branch coverage of the last `triaxis coverage code` as an lcov tracefile (for "
-        "genhtml, in the checkout), and functional coverage of the last sign-off together with it as UCIS "
-        "XML (for pyucis); requirements and testpoints as ReqIF. Without options all of them, in "
-        "build/coverage/; with --lcov, --ucis, --reqif those alone."
-    )
+    """Write line and branch coverage of the last `triaxis coverage code` as an lcov tracefile (for
+    genhtml, in the checkout), and functional coverage of the last sign-off together with it as UCIS XML
+    (for pyucis); requirements and testpoints as ReqIF. Without options all of them, in build/coverage/;
+    with --lcov, --ucis, --reqif those alone.
+    """
     parser.add_argument("--lcov", type=Path, metavar="FILE", help="the tracefile to write")
     parser.add_argument("--ucis", type=Path, metavar="FILE", help="the UCIS XML file to write")
     parser.add_argument("--reqif", type=Path, metavar="FILE", help="the ReqIF file to write")

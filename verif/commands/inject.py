@@ -37,12 +37,10 @@ _SHOWN = 40
 
 
 def add_faults(parser: argparse.ArgumentParser) -> None:
-    """Add the arguments of ``prove faults``."""
-    parser.description = (
-        "Put the faults of the replaced design, F1 to F10, into copies of the core, its wrapper and its "
-        "environment, and those of the board into copies of it, and let the environment's own tests catch "
-        "them. Writes build/faults/faults.json, unless only some are asked for."
-    )
+    """Put the faults of the replaced design, F1 to F10, into copies of the core, its wrapper and its
+    environment, and those of the board into copies of it, and let the environment's own tests catch them.
+    Writes build/faults/faults.json, unless only some are asked for.
+    """
     parser.add_argument(
         "--fault", action="append", metavar="NAME",
         help="only this one; F1 stands for all its variants; may be given several times",
@@ -129,12 +127,10 @@ def _how(outcome: Outcome) -> str:
 
 
 def add_certificates(parser: argparse.ArgumentParser) -> None:
-    """Add the arguments of ``prove certificates``."""
-    parser.description = (
-        "Ask the core and the certified core the same pairs, with each mutant of the data path in turn. "
-        "Where the core says clear of a pair that is near, the certified core must say near, with a fault. "
-        "Writes build/certificates/certificates.json."
-    )
+    """Ask the core and the certified core the same pairs, with each mutant of the data path in turn.
+    Where the core says clear of a pair that is near, the certified core must say near, with a fault.
+    Writes build/certificates/certificates.json.
+    """
     parser.add_argument(
         "--pairs", type=positive, default=PAIRS, metavar="N", help=f"pairs for each mutant ({PAIRS})"
     )
@@ -159,13 +155,11 @@ def _certificates(options: argparse.Namespace) -> int:
 
 
 def add_upsets(parser: argparse.ArgumentParser) -> None:
-    """Add the arguments of ``prove upsets``."""
-    parser.description = (
-        "Invert bits of the board's registers and memories, one at a random clock of each of many talks with "
-        "a host; have some stick, and some registers miss an edge. Count what comes of it: nothing, a stop "
-        "without need, an answer that a host does not believe, or the dangerous: go, or a host that is told "
-        "clear, where something is near, or where nobody was heard. Writes build/upsets/upsets.json."
-    )
+    """Invert bits of the board's registers and memories, one at a random clock of each of many talks with
+    a host; have some stick, and some registers miss an edge. Count what comes of it: nothing, a stop
+    without need, an answer that a host does not believe, or the dangerous: go, or a host that is told
+    clear, where something is near, or where nobody was heard. Writes build/upsets/upsets.json.
+    """
     parser.add_argument(
         "--upsets", type=positive, default=UPSETS, metavar="N",
         help=f"so many ({UPSETS}: each flip-flop of the small board is inverted once at least)",
@@ -199,13 +193,11 @@ def _upsets(options: argparse.Namespace) -> int:
 
 
 def add_mutate(parser: argparse.ArgumentParser) -> None:
-    """Add the arguments of ``prove mutate``."""
-    parser.description = (
-        "Generate mutants of every file of dut/, let the environment's own tests look for them, short ones "
-        "first and volume for those that survive, and check the evidence that those listed in "
-        "verif/mutation/equivalents.toml change nothing. Writes build/mutation/mutation.json, which "
-        "sign-offs of the same RTL and the same tests take."
-    )
+    """Generate mutants of every file of dut/, let the environment's own tests look for them, short ones
+    first and volume for those that survive, and check the evidence that those listed in
+    verif/mutation/equivalents.toml change nothing. Writes build/mutation/mutation.json, which sign-offs
+    of the same RTL and the same tests take.
+    """
     add_seed(parser)
     parser.add_argument(
         "--file", metavar="GLOB", help="only mutants of these files, as in 'core/triaxis_fifo*' or 'mesh/*'"
@@ -297,13 +289,11 @@ def _fates(title: str, rows: Mapping[str, Tally], total: Tally) -> Table:
 
 
 def add_power(parser: argparse.ArgumentParser) -> None:
-    """Add the arguments of ``prove power``."""
-    parser.description = (
-        "Let a sample of the mutants that are selected at run time meet every short test of a model, where "
-        "`triaxis prove mutate` ends each at the first that notices it. Says of each test what it notices, "
-        "what no other does, and which are the fewest that notice as much as all. Writes "
-        "build/mutation/power.json, which `triaxis results` shows."
-    )
+    """Let a sample of the mutants that are selected at run time meet every short test of a model, where
+    `triaxis prove mutate` ends each at the first that notices it. Says of each test what it notices, what
+    no other does, and which are the fewest that notice as much as all. Writes build/mutation/power.json,
+    which `triaxis results` shows.
+    """
     parser.add_argument(
         "--of", action="append", choices=tuple(MODELS), metavar="BLOCK",
         help=f"only the model of this block ({', '.join(MODELS)}); may be given several times",

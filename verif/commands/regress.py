@@ -57,15 +57,12 @@ def _four_state(options: argparse.Namespace) -> int:
 
 
 def add_run(parser: argparse.ArgumentParser) -> None:
-    """Add the arguments of ``regress run``."""
-    parser.description = (
-        "Run a regression of the table of tests on dvsim: seeds that failed before "
-        "first, then the rest. One that was interrupted or killed is continued by the same command: what "
-        "passed on the same sources and with the same seed is not run again. Writes results.json, "
-        "report.html, junit.xml and the merged coverage into build/regress/NAME/. Seeds that failed are "
-        "kept in build/regress/failing.json until they pass on other sources; smoke replays at most three "
-        "of each kind of failure, nightly all of them."
-    )
+    """Run a regression of the table of tests on dvsim: seeds that failed before first, then the rest. One
+    that was interrupted or killed is continued by the same command: what passed on the same sources and
+    with the same seed is not run again. Writes results.json, report.html, junit.xml and the merged
+    coverage into build/regress/NAME/. Seeds that failed are kept in build/regress/failing.json until they
+    pass on other sources; smoke replays at most three of each kind of failure, nightly all of them.
+    """
     parser.add_argument(
         "regression", metavar="NAME", nargs="?", default="smoke", help="smoke or nightly (smoke)"
     )
@@ -138,8 +135,7 @@ def _run(options: argparse.Namespace) -> int:
 
 
 def add_forget(parser: argparse.ArgumentParser) -> None:
-    """Add the arguments of ``regress forget``."""
-    parser.description = "Forget all seeds that failed before, those found flaky too, and say which."
+    """Forget all seeds that failed before, those found flaky too, and say which."""
     _add_folder(parser)
     parser.set_defaults(run=_forget)
 
@@ -169,12 +165,10 @@ def _print(outcome: Outcome) -> None:
 
 
 def add_shrink(parser: argparse.ArgumentParser) -> None:
-    """Add the arguments of ``regress shrink``."""
-    parser.description = (
-        "Look for the smallest pair that still fails in the same way, for each pair of the file that the "
-        "scoreboard left, on the bare core; where a pair fails only after others, for the shortest "
-        "sequence. Each is drawn, and kept so that later runs send it first."
-    )
+    """Look for the smallest pair that still fails in the same way, for each pair of the file that the
+    scoreboard left, on the bare core; where a pair fails only after others, for the shortest sequence.
+    Each is drawn, and kept so that later runs send it first.
+    """
     parser.add_argument("failing", type=Path, metavar="FAILING.npz", help="failing_pairs.npz of a run")
     parser.add_argument(
         "--config", default="w16_m0", metavar="NAME",

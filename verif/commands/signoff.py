@@ -27,11 +27,9 @@ Evidence = dict[str, Any]
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Add the command's arguments."""
-    parser.description = (
-        "Lint the RTL, run every test in its configurations, measure coverage, catch known "
-        "faults, prove, try every mutant, and judge. Writes build/signoff/."
-    )
+    """Lint the RTL, run every test in its configurations, measure coverage, catch known faults, prove,
+    try every mutant, and judge. Writes build/signoff/.
+    """
     add_seed(parser)
     parser.add_argument(
         "--pairs",

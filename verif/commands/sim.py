@@ -24,13 +24,7 @@ from triaxis.verif.regress.definition import in_checkout
 from triaxis.verif.testbench.golden_sample import MOST_SELDOM
 from triaxis.verif.testbench.settings import BURST, PIN, VERBOSITIES, VERILATOR, Block
 from triaxis.verif.testbench.simulation import RunResult, run_settings
-from triaxis.verif.testbench.table import (
-    REPLAY,
-    check_test_fits,
-    check_test_name,
-    names_of,
-    table,
-)
+from triaxis.verif.testbench.table import REPLAY, check_test_fits, check_test_name, names_of, table
 from triaxis.verif.testbench.waves import WAVES, check_waves
 
 _USUAL = "w16_m0"
@@ -109,7 +103,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--fault",
         metavar="NAME",
-        help="break the core, the mesh engine or the board by a fault of `triaxis prove faults --list`",
+        help="break the core, the mesh engine or the board by a fault of their RTL of `triaxis prove faults "
+        "--list`, as F1-box",
     )
     parser.add_argument("--replay", type=Path, metavar="FILE.npz", help=f"failing pairs, for {REPLAY}")
     parser.add_argument(

@@ -100,12 +100,7 @@ def run_grid(
 
 
 def _run_rest(
-    grid: Grid,
-    identity: Identity,
-    state: Progress,
-    report: Callable[[int], None],
-    folder: Path,
-    workers: int,
+    grid: Grid, identity: Identity, state: Progress, report: Callable[[int], None], folder: Path, workers: int
 ) -> None:
     step = max(1, _RUNS_PER_REPORT // (len(MARGINS) * len(grid.triangles)))
     last = len(grid.classes)

@@ -17,7 +17,8 @@ from triaxis.host.quantise import Grid, quantise
 from triaxis.sim.configuration import Configuration
 from triaxis.sim.detector import detect
 from triaxis.sim.paths import DUT
-from triaxis.verif.core.failing_pairs import read_failing, read_failing_pairs
+from triaxis.verif.core.checking import Failure
+from triaxis.verif.core.failing_pairs import read_failing, read_failing_pairs, write_failing_pairs
 from triaxis.verif.core.stimulus.seed_vectors import seed_vectors, seed_vectors_as_written
 from triaxis.verif.faults.known_faults import Fault
 from triaxis.verif.faults.result import Attempt, Catch, Example
@@ -39,15 +40,8 @@ def verdict_file(pairs: Pairs, folder: Path) -> None:
 
 def _archive(pairs: Pairs, folder: Path, context: Pairs) -> Path:
     path = folder / "failing_pairs.npz"
-    count = len(pairs)
-    np.savez(
-        path,
-        pairs=pairs,
-        margins=np.zeros(count, np.int64),
-        context=np.repeat(context[None], count, 0),
-        context_margins=np.zeros((count, len(context)), np.int64),
-        context_counts=np.full(count, len(context)),
-    )
+    margins = np.zeros(len(context), np.int64)
+    write_failing_pairs(path, [Failure("", pair, 0, context, margins) for pair in pairs])
     return path
 
 

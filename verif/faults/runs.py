@@ -36,13 +36,7 @@ class Sign:
 
 
 def run_test(
-    test: str,
-    configuration: Configuration | str,
-    seed: int,
-    name: str,
-    dut: Path,
-    agent: str,
-    pairs: int,
+    test: str, configuration: Configuration | str, seed: int, name: str, dut: Path, agent: str, pairs: int
 ) -> RunResult:
     """Run a test on the RTL in ``dut``, in a folder of its own under ``name``."""
     folder = RUNS / f"{name}-{test}-{seed}"

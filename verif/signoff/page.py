@@ -69,11 +69,7 @@ def _pieces(content: Content) -> dict[str, tuple[float, float, float]]:
         begin, name = part["begin"], part["name"]
         found[name.replace("_", " ")] = begin, part["end"], part["cpu_seconds"]
         for stage in content["parts"].get(name, {}).get("stages", ()):
-            found[f"  {stage['name']}"] = (
-                begin + stage["begin"],
-                begin + stage["end"],
-                stage["cpu_seconds"],
-            )
+            found[f"  {stage['name']}"] = (begin + stage["begin"], begin + stage["end"], stage["cpu_seconds"])
     return found
 
 

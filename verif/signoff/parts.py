@@ -75,11 +75,7 @@ _BESIDE = {
         lambda seed: len(four_state.plan(seed)),
     ),
     "netlist": Beside(
-        netlist.RESULT,
-        netlist.SOURCES,
-        "make netlist",
-        _make_netlist,
-        lambda _: len(SCOPES) + len(PROOFS),
+        netlist.RESULT, netlist.SOURCES, "make netlist", _make_netlist, lambda _: len(SCOPES) + len(PROOFS)
     ),
 }
 

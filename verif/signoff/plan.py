@@ -46,11 +46,5 @@ def _settings(entry: Entry, runs: Runs, config: str, seed: int) -> RunSettings:
     """Return a run in a folder of the sign-off's own, so that no other run disturbs it."""
     folder = FOLDER / "runs" / f"{entry.name}-{config}-{runs.agent}-{seed}"
     return run_settings(
-        entry.name,
-        config,
-        seed,
-        runs.pairs,
-        folder=folder,
-        agent=runs.agent,
-        judged_one_in=runs.judged,
+        entry.name, config, seed, runs.pairs, folder=folder, agent=runs.agent, judged_one_in=runs.judged
     )

@@ -1,6 +1,5 @@
 """The plots of a sign-off's page, as SVG text that stands in the page itself."""
 
-import io
 import math
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
@@ -9,6 +8,8 @@ import matplotlib as mpl
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from triaxis.host.figures import drawn
+
 mpl.use("svg")
 
 _GOOD, _FAIR, _BAD, _PLAIN = "#2f7d4f", "#c9a227", "#b3363b", "#4a6a8a"
@@ -16,10 +17,7 @@ _STYLE: dict[Any, Any] = {
     "font.size": 9,
     "axes.spines.top": False,
     "axes.spines.right": False,
-    "svg.fonttype": "none",
     "font.family": "sans-serif",
-    # The same numbers give the same file.
-    "svg.hashsalt": "triaxis",
 }
 
 
@@ -30,9 +28,8 @@ def _drawn(title: str, height: float, draw: Callable[[Axes], None], width: float
         axes = figure.add_subplot()
         draw(axes)
         axes.set_title(title, loc="left", fontsize=10, fontweight="bold")
-        text = io.StringIO()
-        figure.savefig(text, format="svg", metadata={"Date": None})
-    return text.getvalue()[text.getvalue().index("<svg") :]
+        text = drawn(figure).decode()
+    return text[text.index("<svg") :]
 
 
 def _bars(

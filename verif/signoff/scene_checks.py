@@ -12,7 +12,7 @@ from triaxis.golden.pairs import Pairs
 from triaxis.host.enclosure import NOT_ASKED, enclosure, solid_of
 from triaxis.host.engines import DecidingEngine
 from triaxis.host.scene import prepare
-from triaxis.host.scenes import box, mesh_data, write_scenes, write_stl
+from triaxis.host.scenes import box, machine_solids, mesh_data, write_scenes, write_stl
 from triaxis.host.stl import read_stl
 from triaxis.sim.core_engine import RtlEngine, configuration_for
 
@@ -78,27 +78,20 @@ def check_scenes(folder: Path) -> list[SceneResult]:
 
 
 def check_real_meshes(folder: Path) -> list[SceneResult] | None:
-    """Check parts of a real machine as its simulator assembles them; None where they are absent.
-
-    Moved parts are written into ``folder``. Lengths are in units of 10 mm. The head stands at z = 4 and moves
-    down by 0.1 per millimetre.
+    """Check parts of a real machine as its simulator assembles them, in units of 10 mm; None where they are
+    absent. Moved parts are written into ``folder``.
     """
     data = mesh_data()
     if data is None:
         return None
     results = [
         _check_files(
-            "carousel against arm",
-            data / "vmc/carousel.stl",
-            data / "vmc/arm.stl",
-            True,
-            Fraction(0),
+            "carousel against arm", data / "vmc/carousel.stl", data / "vmc/arm.stl", True, Fraction(0)
         )
     ]
     for z_mm, near in ((0, False), (-250, True)):
         name = f"carousel against head at Z = {z_mm} mm"
-        head = read_stl(data / "vmc/head.stl").facets + np.array([0, 0, 4 + 0.1 * z_mm])
         moved = folder / f"head_{abs(z_mm)}.stl"
-        write_stl(moved, head.astype(np.float32))
+        write_stl(moved, machine_solids(data, z_mm)["head"].astype(np.float32))
         results.append(_check_files(name, data / "vmc/carousel.stl", moved, near, Fraction(1, 20)))
     return results

@@ -7,7 +7,6 @@ coverage of a block is the share of its upsets that would be dangerous and are n
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from io import StringIO
 
 from triaxis.verif.upsets.builds import MEASURES
 
@@ -118,21 +117,19 @@ def table(counts: Mapping[str, BlockCounts]) -> str:
 def plot(left: Mapping[str, int]) -> str:
     """Return a plot, SVG, of how many dangerous upsets are left as measures are added."""
     # Matplotlib loads for a plot alone.
-    from matplotlib.figure import Figure
     from matplotlib.ticker import MaxNLocator
 
+    from triaxis.host.figures import chart, drawn
+
     titles = {"none": "no measure", **{one.name: f"+ {one.title}" for one in MEASURES}}
-    figure = Figure(figsize=(8.5, 0.9 + 0.32 * len(left)), layout="constrained")
-    axes = figure.subplots()
-    values: Sequence[int] = list(left.values())
-    bars = axes.barh([titles[name] for name in left], values, height=0.65, color="#4477aa")
-    axes.bar_label(bars, [f"{value}" for value in values], padding=3)
-    axes.set_xlim(0, max(1, *values) * 1.12)
-    axes.set_xlabel("dangerous, of the same upsets")
-    axes.xaxis.set_major_locator(MaxNLocator(integer=True))
-    axes.invert_yaxis()
-    for side in ("top", "right"):
-        axes.spines[side].set_visible(False)
-    out = StringIO()
-    figure.savefig(out, format="svg", metadata={"Date": None})
-    return out.getvalue()
+    with chart((8.5, 0.9 + 0.32 * len(left)), 100) as figure:
+        figure.set_layout_engine("constrained")
+        axes = figure.subplots()
+        values: Sequence[int] = list(left.values())
+        bars = axes.barh([titles[name] for name in left], values, height=0.65, color="#4477aa")
+        axes.bar_label(bars, [f"{value}" for value in values], padding=3)
+        axes.set_xlim(0, max(1, *values) * 1.12)
+        axes.set_xlabel("dangerous, of the same upsets")
+        axes.xaxis.set_major_locator(MaxNLocator(integer=True))
+        axes.invert_yaxis()
+        return drawn(figure).decode()

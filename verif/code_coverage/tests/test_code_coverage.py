@@ -16,12 +16,7 @@ from triaxis.coverage.code_counters import (
     read_counters,
     read_lines,
 )
-from triaxis.coverage.code_coverage import (
-    Assessment,
-    Bin,
-    Total,
-    generate_blocks,
-)
+from triaxis.coverage.code_coverage import Assessment, Bin, Total, generate_blocks
 from triaxis.coverage.elaboration import read_elaboration
 from triaxis.coverage.waivers import KINDS, Waiver, module_hash
 from triaxis.golden.errors import InputError
@@ -32,15 +27,7 @@ from triaxis.sim.configuration import Configuration
 from triaxis.sim.core_engine import CorePlayer
 from triaxis.sim.paths import board_sources, mesh_sources, rtl_sources
 from triaxis.sim.verilate import QUICK, compiler, described, library, runtime
-from triaxis.verif.code_coverage.run import (
-    BOARDS,
-    CORES,
-    ENGINES,
-    CodeCoverage,
-    Run,
-    covered,
-    write_json,
-)
+from triaxis.verif.code_coverage.run import BOARDS, CORES, ENGINES, CodeCoverage, Run, covered, write_json
 from triaxis.verif.commands import coverage as command
 
 # Quick to build: its counters are shown to count here, not its coverage.

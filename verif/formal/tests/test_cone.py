@@ -8,14 +8,7 @@ import pytest
 from triaxis.golden.errors import InputError
 from triaxis.sim.paths import DUT
 from triaxis.verif.formal import proof as proof_module
-from triaxis.verif.formal.cone import (
-    Covered,
-    Register,
-    all_registers,
-    by_modules,
-    hierarchy,
-    read_unproved,
-)
+from triaxis.verif.formal.cone import Covered, Register, all_registers, by_modules, hierarchy, read_unproved
 from triaxis.verif.formal.proof import Result
 from triaxis.verif.formal.proofs import proofs
 

@@ -6,9 +6,7 @@ import pytest
 from triaxis.golden.pairs import coordinate_range
 from triaxis.sim.mesh_configuration import MeshConfiguration
 from triaxis.verif.mesh.items import pack_run, pack_triangle, unpack_pair, unpack_run, unpack_triangle
-from triaxis.verif.mesh.scenes import (
-    random_scene,
-)
+from triaxis.verif.mesh.scenes import random_scene
 from triaxis.verif.mesh.shapes import Shapes
 
 CONFIGURATIONS = (

@@ -3,6 +3,7 @@
 import re
 from collections import Counter
 from dataclasses import dataclass, replace
+from functools import partial
 from itertools import combinations, product
 
 import pytest
@@ -210,18 +211,15 @@ class Planted:
         return getattr(configuration, self.parameter) == self.value
 
 
-def core(name, parameter, value, *changes):
-    return Planted(name, parameter, value, tuple((f"core/{file}", *text) for file, *text in changes))
+def planted(block, folder, name, parameter, value, *changes):
+    texts = tuple((f"{folder}/{file}", *text) for file, *text in changes)
+    return Planted(name, parameter, value, texts, block)
 
 
-def mesh(name, parameter, value, *changes):
-    texts = tuple((f"mesh/{file}", *text) for file, *text in changes)
-    return Planted(name, parameter, value, texts, Block.MESH)
-
-
-def board(name, parameter, value, *changes):
-    texts = tuple((f"board/{file}", *text) for file, *text in changes)
-    return Planted(name, parameter, value, texts, Block.BOARD)
+core, mesh, board = (
+    partial(planted, block, folder)
+    for block, folder in ((Block.CORE, "core"), (Block.MESH, "mesh"), (Block.BOARD, "board"))
+)
 
 
 NORMAL = "cross_t'(a_sum_1 + a_1[2]);"

@@ -61,11 +61,7 @@ KINDS_NAMED = ("tests", "proofs", "faults", "checks", "assertions")
         *((kind, "{}_gone", (" {}: no testpoint owns it", " {}_gone: unknown")) for kind in KINDS_NAMED),
         ('"triaxis_delay/*"', '"triaxis_fifo/*"', ("of triaxis_delay: no testpoint owns them",)),
         ('"succession", ', "", ("of succession: no testpoint owns them",)),
-        (
-            '["blind"]',
-            '["blind.by its axes*"]',
-            ("near, though a missing axis separates / coplanar",),
-        ),
+        ('["blind"]', '["blind.by its axes*"]', ("near, though a missing axis separates / coplanar",)),
     ],
 )
 def test_whatever_is_taken_out_is_missed(tmp_path, capsys, old, new, said):
