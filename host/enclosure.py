@@ -23,9 +23,10 @@ mirrored, or both sides of a surface: undecided. So is a part that lies deep in 
 
 A solid that is written with both sides of its surface, in parts, is closed, and its winding number is 0
 everywhere. A ray from within passes an odd number of *sheets*, where crossings in one plane cancel, outside
-of all else. Where it does in any of six directions the answer is undecided, as sheets may have gaps; and
-where it passes any in all of them, as it does where two such solids overlap. Walls between solids that touch
-are no sheets: there the ray is inside before and after.
+of all else, and where two such solids overlap an even one. Where it passes any in one of six directions the
+answer is undecided, as sheets may have gaps. Walls between solids that touch are no sheets: there the ray is
+inside before and after. So it is within the box of a *double* surface: facets that are written twice, turned
+alike or not, and have a rim, where an edge belongs to nothing else.
 
 A shell that is turned inside out is a cavity where it lies within another. Where the two cross it is none,
 but a solid that was mirrored, and in the overlap the winding number is 0: undecided, too. So it is where the
@@ -64,7 +65,7 @@ class Shells:
 
     ``number`` (N,): the shell of each facet. ``boxes`` (S, 2, 3): low and high corner, in LSB. ``facets``:
     how many each has. ``open_edges`` (S,): edges that belong to an odd number of facets. ``oriented`` (S,):
-    closed ones only.
+    closed ones only. ``doubles`` (D, 2, 3): boxes of double surfaces.
     """
 
     number: Integers
@@ -73,6 +74,7 @@ class Shells:
     boxes: Integers
     open_edges: Integers
     oriented: Mask
+    doubles: Integers
 
     @property
     def closed(self) -> Mask:
@@ -89,7 +91,8 @@ class Solid:
 
     def moved(self, translation: Integers) -> "Solid":
         """Return it elsewhere."""
-        return Solid(self.facets + translation, replace(self.shells, boxes=self.shells.boxes + translation))
+        there = {"boxes": self.shells.boxes + translation, "doubles": self.shells.doubles + translation}
+        return Solid(self.facets + translation, replace(self.shells, **there))
 
 
 def solid_of(facets: Integers) -> Solid:
@@ -106,11 +109,35 @@ def shells_of(facets: Integers) -> Shells:
     # By the lowest facet, whatever its vertices' numbers.
     order = np.argsort(first)
     number = np.argsort(order)[number]
-    boxes = np.stack([np.full((len(first), 3), _FAR), np.full((len(first), 3), -_FAR)], 1)
+    boxes = _boxes(facets, number, len(first))
+    unmatched, turned = _boundary(corners, number, len(first))
+    oriented = (unmatched == 0) & (turned == 0)
+    return Shells(number, first[order], count[order], boxes, unmatched, oriented, _doubles(corners, facets))
+
+
+def _boxes(facets: Integers, number: Integers, count: int) -> Integers:
+    """Return the boxes (S, 2, 3) of facets (N, 3, 3) with each number (N,)."""
+    boxes = np.stack([np.full((count, 3), _FAR), np.full((count, 3), -_FAR)], 1)
     np.minimum.at(boxes[:, 0], number, facets.min(1))
     np.maximum.at(boxes[:, 1], number, facets.max(1))
-    unmatched, turned = _boundary(corners, number, len(first))
-    return Shells(number, first[order], count[order], boxes, unmatched, (unmatched == 0) & (turned == 0))
+    return boxes
+
+
+def _doubles(corners: Integers, facets: Integers) -> Integers:
+    """Return the boxes (D, 2, 3) of double surfaces: of those that hang together and have a rim."""
+    triples = np.sort(corners, 1)
+    real = np.flatnonzero((np.diff(triples, axis=1) > 0).all(1))
+    some, first, count = np.unique(triples[real], axis=0, return_index=True, return_counts=True)
+    twice = np.flatnonzero(count % 2 == 0)
+    if not len(twice):
+        return np.empty((0, 2, 3), np.int64)
+    _, edge, uses = np.unique(
+        some[:, [[0, 1], [1, 2], [0, 2]]].reshape(-1, 2), axis=0, return_inverse=True, return_counts=True
+    )
+    rim = (uses[edge.reshape(-1, 3)] == 1).any(1)[twice]
+    _, number = np.unique(_connected(some[twice]), return_inverse=True)
+    count = int(number.max()) + 1
+    return _boxes(facets[real[first[twice]]], number, count)[np.bincount(number[rim], minlength=count) > 0]
 
 
 def _numbered(facets: Integers) -> Integers:
@@ -267,25 +294,19 @@ def _doubted(inner: Solid, parts: Integers, outer: Solid) -> tuple[Mask, Mask]:
     holding = set(zip(of[holds].tolist(), shell[holds].tolist(), strict=True))
     used = np.flatnonzero(hulls.closed[hulls.number])
     number, oriented = hulls.number[used], hulls.oriented[hulls.number[used]]
-    odd, ways, seen = (
-        np.zeros(len(parts), np.bool_),
-        np.zeros(len(parts), np.int64),
-        Counter[tuple[int, int]](),
-    )
+    double, seen = np.zeros(len(parts), np.bool_), Counter[tuple[int, int]]()
     for here, there, (point, facet, sign) in _six_ways(firsts, facets[used]):
         seen.update(set(zip(point.tolist(), number[facet].tolist(), strict=True)))
         order = np.argsort(point, kind="stable")
         for rows in np.split(order, np.flatnonzero(np.diff(point[order])) + 1) if len(order) else ():
             k, met = int(point[rows[0]]), facet[rows]
-            sheets = _sheets(here[k], there[met], sign[rows], oriented[met])
-            odd[k] |= sheets % 2 == 1
-            ways[k] += sheets > 0
+            double[k] |= _has_sheet(here[k], there[met], sign[rows], oriented[met])
     shut = np.zeros(len(parts), np.bool_)
     for (k, one), count in sorted(seen.items()):
         if count == _WAYS and (k, one) not in holding and not shut[k]:
             vertices = np.unique(inner.facets[inner.shells.number == parts[k]].reshape(-1, 3), axis=0)
             shut[k] = _all_meet(_some_of(vertices), facets[hulls.number == one])
-    return odd | (ways == _WAYS), shut
+    return double, shut
 
 
 def _all_meet(points: Integers, facets: Integers) -> bool:
@@ -299,22 +320,23 @@ def _some_of(vertices: Integers) -> Integers:
     return vertices[np.unique([*outermost, *range(0, len(vertices), -(-len(vertices) // _TRIED))])]
 
 
-def _sheets(point: Integers, facets: Integers, signs: Integers, oriented: Mask) -> int:
-    """Return how many sheets a ray from a point along +z passes, of the facets (N, 3, 3) that it meets."""
+def _has_sheet(point: Integers, facets: Integers, signs: Integers, oriented: Mask) -> bool:
+    """Return whether a ray from a point along +z passes a sheet, of the facets (N, 3, 3) that it meets."""
     planes: dict[tuple[Fraction, ...], list[int]] = {}
     for k, (a, b, c) in enumerate(facets.astype(object)):
         u, v, w = b - a, c - a, a - point
         x, y, z = u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]
         height = Fraction(int(x * w[0] + y * w[1] + z * w[2]), int(z))
         planes.setdefault((height, Fraction(int(x), int(z)), Fraction(int(y), int(z))), []).append(k)
-    sheets = winding = odd = 0
+    winding = odd = 0
     # From above; of those of one height at the point that which the moved ray meets first, see `_crossings`.
     for plane in sorted(planes, key=lambda of: (-of[0], of[1], of[2])):
         met = np.array(planes[plane])
         turned, others = int(signs[met][oriented[met]].sum()), int((~oriented[met]).sum()) % 2
-        sheets += not (turned or others or winding or odd)
+        if not (turned or others or winding or odd):
+            return True
         winding, odd = winding + turned, (odd + others) % 2
-    return sheets
+    return False
 
 
 def _exact_type(reach: int) -> type:
@@ -462,6 +484,9 @@ def _parts(mesh: str, inner: Solid, outer: Solid, moves: Integers) -> list[Part]
     possible = possible[~held[possible]]
     if len(possible):
         double[possible], shut[possible] = _doubted(inner, possible, outer)
+    least = np.diff(shells.boxes, axis=1).min(0)
+    for one in hulls.doubles[(np.diff(hulls.doubles, axis=1) >= least).all((1, 2))]:
+        double |= _fitting(shells.boxes, one[None], moves) & ~held
     whys = (
         (held, None), (doubted, opened), (mirrored, crossed), (double, both), (mixed, turned), (shut, around),
     )  # fmt: skip

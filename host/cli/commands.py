@@ -7,6 +7,7 @@ import argparse
 import json
 import os
 import re
+from collections import deque
 from collections.abc import Callable, Iterator, Mapping
 from importlib import import_module
 from inspect import getdoc
@@ -39,8 +40,6 @@ class Command(NamedTuple):
 
 _REPORT = {"--json": Answer(before='{\n  "verdict": "unknown"\n}\n')}
 _PICTURE = {"--picture": Answer(endings=(".png", ".svg"))}
-# What the parser takes for a value, though it begins like an option.
-_NEGATIVE = re.compile(r"-\d+|-\d*\.\d+")
 # How a report begins; a file of anything else is not to be lost.
 _OURS = re.compile(rb"\s*(\{|$)")
 _MESHES = "decide whether two STL meshes come within a clearance"
@@ -323,7 +322,7 @@ def remove_older_answers(name: str, words: list[str]) -> None:
     Raises InputError where such a file cannot be written, or is an input. Other options may still be wrong:
     whatever comes, no older answer is left.
     """
-    if "-h" in words or "--help" in words:
+    if not {"-h", "--help"}.isdisjoint(words[: words.index("--")] if "--" in words else words):
         return
     answers = COMMANDS[name].answers
     named, others = _named(answers, words)
@@ -345,7 +344,7 @@ def remove_older_answers(name: str, words: list[str]) -> None:
 def _remove_older(option: str, value: str, answer: Answer, others: list[str], also: list[str]) -> None:
     path = Path(value)
     if not value:
-        raise InputError(f"{option}: names no file: give the file to write to")
+        raise InputError(f"{option}: names no file: give the file to write to, ./- where it begins with -")
     if answer.endings and path.suffix not in answer.endings:
         raise InputError(f"{value}: must end in {' or '.join(answer.endings)}")
     if any(_same(path, Path(other)) for other in others):
@@ -376,19 +375,21 @@ def withdraw_yes(words: list[str]) -> None:
 
 
 def _named(answers: Mapping[str, Answer], words: list[str]) -> tuple[list[tuple[str, str]], list[str]]:
-    """Return the files that are named for answers, each with its option, and what may be inputs."""
+    """Return the files that are named for answers, each with its option, and what may be inputs.
+
+    What begins with - names none: the parser takes some of that for a file, and some for the next option.
+    """
     named: list[tuple[str, str]] = []
     others: list[str] = []
-    rest = iter(words)
-    for word in rest:
+    rest = deque(words)
+    while rest:
+        word = rest.popleft()
         option, equals, value = word.partition("=")
         if word == "--":
             others += rest
-        elif option in answers:
-            value = value if equals else next(rest, "-")
-            # No value, but the next option: an error, of which the parser tells.
-            if equals or not value.startswith("-") or _NEGATIVE.fullmatch(value):
-                named.append((option, value))
+            break
+        if option in answers:
+            named.append((option, value if equals or not rest or rest[0][:1] == "-" else rest.popleft()))
         else:
             others.append(value if equals and word.startswith("--") else word)
     return named, others

@@ -21,7 +21,7 @@ from triaxis.golden.errors import InputError
 from triaxis.golden.pairs import VERDICT, read_pairs
 from triaxis.host import scenes
 from triaxis.host.cli import main
-from triaxis.host.cli.commands import COMMANDS, GROUPS, withdraw_yes
+from triaxis.host.cli.commands import COMMANDS, GROUPS, remove_older_answers, withdraw_yes
 from triaxis.host.motion.gcode import read_lines
 from triaxis.host.stl import read_stl
 from triaxis.sim.paths import ROOT
@@ -238,11 +238,25 @@ def test_a_yes_is_withdrawn_where_the_command_fails_afterwards(verdict, left, tm
     assert json.loads(report.read_text())["verdict"] == left
 
 
-def test_a_report_may_be_named_as_a_number(meshes, tmp_path, monkeypatch):
+@pytest.mark.parametrize("name", ["-", "-1", "-1e3", "-5.", "-old report.json", "--json"])
+def test_a_report_that_is_named_like_an_option_is_no_report(name, meshes, tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
-    assert main(["check", *map(str, meshes), "--engine", "bulk", "--json", "-1"]) == 0
-    assert main(["check", *map(str, meshes), "--engine", "bulk", "--json", "-1", "--width", "40"]) == 2
-    assert json.loads(Path("-1").read_text())["verdict"] == "unknown"
+    check = ["check", *map(str, meshes), "--engine", "bulk"]
+    for more in ([], ["--width", "40"]):
+        assert main([*check, "--json", name, *more]) == 2
+        assert not Path(name).exists()
+        assert "--json: names no file: give the file to write to, ./- where" in capsys.readouterr().err
+    for named in (["--json", f"./{name}"], [f"--json={name}"]):
+        assert main([*check, *named]) == 0
+        assert main([*check, *named, "--width", "40"]) == 2
+        assert json.loads(Path(name).read_text())["verdict"] == "unknown"
+
+
+def test_an_input_may_have_the_name_of_an_option(meshes, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    Path("report.json").write_text('{"verdict": "clear"}')
+    remove_older_answers("check", ["--json", "report.json", "--", "-h", str(meshes[0])])
+    assert json.loads(Path("report.json").read_text())["verdict"] == "unknown"
 
 
 def test_ignored_signals_stay_ignored(meshes):

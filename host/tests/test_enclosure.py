@@ -68,6 +68,12 @@ BLOCK[2, 2, 2:] = BLOCK[3, 2, 2] = False
 NEEDLE = np.array([[[35, 25, 25], [25, 25, 25], [25, 25, 25]], [[25, 25, 25], [25, 25, 80], [25, 25, 80]]])
 
 
+# Two boxes across each other, both without a lid; a box with a hole in the middle of each side.
+OPEN = np.concatenate([one[one[..., 2].min(1) < 100] for one in (STOCK, box((20, 20, 10), (130, 130, 100)))])
+CAGE = cells(np.ones((3, 3, 3), np.bool_))
+CAGE = CAGE[(np.abs(CAGE.sum(1) - 45) > 20).sum(1) > 1]
+
+
 @pytest.mark.parametrize(
     ("a", "b", "state", "mesh"),
     [
@@ -123,6 +129,17 @@ NEEDLE = np.array([[[35, 25, 25], [25, 25, 25], [25, 25, 25]], [[25, 25, 25], [2
             for k in range(12)
         ),
         (box(20, 40), np.concatenate([box(0, 10), FIN, FIN[:, ::-1]]), State.UNDECIDED, "a"),
+        # Open bodies, all of it twice, with the same side or with both, where rays pass two, or none.
+        *(
+            (inner, np.concatenate([outer, outer[:, ::way]]), state, mesh)
+            for inner, outer, state, mesh in (
+                (box(50, 60), OPEN, State.UNDECIDED, "a"),
+                (probe((1, 1, 1)), CAGE, State.UNDECIDED, "a"),
+                (probe((4, 1, 1)), CAGE, State.OUTSIDE, None),
+            )
+            for way in (1, -1)
+        ),
+        (box((-2, -2, 0), (2, 2, 3)), np.concatenate([ring(), ring()]), State.OUTSIDE, None),
         # What rounding made of details has no sides.
         (
             box((-2, -2, 0), (2, 2, 3)),
