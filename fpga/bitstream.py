@@ -168,14 +168,15 @@ def board_hash() -> str:
 
 
 def build_id(rtl_hash: str, board_hash: str) -> int:
-    """Return the 32 bits by which a board tells what it was built from: all that a bitstream holds."""
+    """Return the 32 bits by which a board tells what it was built from: all but its parameters."""
     return int(hashlib.sha256(f"{rtl_hash}{board_hash}".encode()).hexdigest()[:8], 16)
 
 
-def remove_bitstream(bitstream: Path) -> None:
-    """Remove an older bitstream and its manifest: a build that fails must not leave one behind."""
-    for path in (bitstream, manifest_path(bitstream)):
-        path.unlink(missing_ok=True)
+def remove_bitstream(*bitstreams: Path) -> None:
+    """Remove bitstreams and their manifests: none is left that was not allowed in the end."""
+    for bitstream in bitstreams:
+        for path in (bitstream, manifest_path(bitstream)):
+            path.unlink(missing_ok=True)
 
 
 def manifest_path(bitstream: Path) -> Path:

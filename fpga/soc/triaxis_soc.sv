@@ -71,7 +71,7 @@ module triaxis_soc
 
   which_t asked, refused, wanted_d, wanted_q, taken;
   logic busy, load_ready, run_ready, triangle_fits, run_fits, void_d, void_q, fault;
-  logic [1:0] ignored, load_q, mode_q, incomplete_d, incomplete_q;
+  logic [1:0] ignored, load_q, mode_q, incomplete_d, incomplete_q, empty;
   logic [$bits(trial_t)-1:0] trial_q;
 
   // Converters of buses write words of which no byte is meant.
@@ -85,7 +85,7 @@ module triaxis_soc
   assign refused.load = asked.load && (busy || !(&from_bus.LOAD.wr_biten) ||
       (!triangle_fits && !from_bus.LOAD.wr_data.clear));
   assign refused.run = asked.run &&
-      (busy || !(&from_bus.RUN.wr_biten) || !run_fits || incomplete_q != '0);
+      (busy || !(&from_bus.RUN.wr_biten) || !run_fits || incomplete_q != '0 || empty != '0);
   assign wanted_d = (asked & ~refused) | (wanted_q & ~taken);
   assign void_d = refused != '0 || taken.load || fault || (void_q && !taken.run);
   for (genvar mesh = 0; mesh < 2; mesh++) begin : g_mesh
@@ -226,6 +226,8 @@ module triaxis_soc
   assign to_bus.STATUS.beyond_warn.next = clear && !zones[ZoneWarn];
   assign to_bus.STATUS.overfull_a.next = overfull[0];
   assign to_bus.STATUS.overfull_b.next = overfull[1];
+  // Of nothing all is clear: after a reset, too.
+  assign empty = {count_b == '0, count_a == '0};
   assign to_bus.COUNT_A.value.next = 32'(count_a);
   assign to_bus.COUNT_B.value.next = 32'(count_b);
   assign to_bus.NEAR.value.next = 32'(near);

@@ -333,6 +333,16 @@ class SocRefusalsTest(Registers):
     """What cannot be done is refused and told, and a run is not disturbed by it."""
 
     async def check(self):
+        # Of an empty mesh nothing is clear: after a reset, and later.
+        for mesh, count in ((None, 0), (A, 1), (B, 1), (A, 0)):
+            if mesh is not None:
+                await self.load(mesh, np.zeros((count, 3, 3), np.int64))
+            held = await self.read("COUNT_A") and await self.read("COUNT_B")
+            await self.begin(MODE_COUNT)
+            assert (await self.end())[1] == (COMPLETE if held else NONE)
+            assert not (await self.status()).clear
+            assert await self.read("INTERRUPT") == (DONE if held else REFUSED)
+            await self.write(REFUSED | DONE, "INTERRUPT")
         await self.write(DONE | FAULTED | REFUSED, "INTERRUPT_ENABLE")
         await self.load(A, np.zeros((16, 3, 3), np.int64))
         await self.load(B, np.zeros((15, 3, 3), np.int64))

@@ -68,6 +68,9 @@ def _answer(words: list[str], of_this_process: bool) -> int:
         if of_this_process:
             _handle_with(_interrupt)
         code = run()
+        if _interrupted:
+            # What failed for it may have been tried again.
+            raise KeyboardInterrupt
         if sys.stdout is not None:
             sys.stdout.flush()
         return code

@@ -368,7 +368,11 @@ def withdraw_yes(words: list[str]) -> None:
             if before is None or not path.is_file():
                 continue
             if json.loads(path.read_bytes())["verdict"] in ("clear", "followed"):
-                write_whole(path, before)
+                try:
+                    write_whole(path, before)
+                except InputError:
+                    # A full disk has room for less.
+                    path.unlink()
     # What ended the command is to be told.
     except Exception:
         return

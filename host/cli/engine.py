@@ -100,11 +100,13 @@ def board_of(options: argparse.Namespace) -> Iterator[Board | None]:
                 self_test(board)
             yield board
         except LinkError:
-            # Nobody may hear, or another master have the board: its watchdog, or that one, says stop.
+            # Nobody may hear, or another master have the board: no answer is waited for.
             broken = True
             raise
         finally:
-            if not broken:
+            if broken:
+                board.stop()
+            else:
                 with suppress(LinkError):
                     board.abort()
 
@@ -148,6 +150,10 @@ def hold(board: Board, run: Status, broken: Callable[[], object]) -> None:
         while board.still(run).flags & Flag.GO:
             time.sleep(_HOLD_SECONDS)
         raise LinkError("the board's output says stop: the link was disturbed; check again")
+    except KeyboardInterrupt:
+        board.stop()
+        broken()
+        raise
     except LinkError as error:
         try:
             broken()

@@ -1,6 +1,7 @@
 """The board as an object: each method is one command, checked to have been done."""
 
 import zlib
+from contextlib import suppress
 from typing import Self, TypeVar
 
 import numpy as np
@@ -104,6 +105,12 @@ class Board:
         check_description(self.description)
         return self.description
 
+    def take_again(self) -> None:
+        """Take the same board in a new session, empty; raise LinkError where another one answers."""
+        before = self.description
+        if self.hello() != before:
+            raise LinkError(f"{self._line.name}: another board answers than before; verdict unknown")
+
     def begin_again(self) -> None:
         """Empty the board within the session; a fault is forgotten."""
         self._expect("board", self._ask(Command.HELLO, Description), self.description)
@@ -150,7 +157,8 @@ class Board:
         try:
             status, near = self._results(progress)
         except KeyboardInterrupt:
-            self.abort()
+            with suppress(LinkError):
+                self.abort()
             raise
         return BoardRun(request, begun.number, status, near)
 
@@ -187,9 +195,18 @@ class Board:
         check_later(run, status)
         return status
 
+    def stop(self) -> None:
+        """Have the output say stop, if the board hears it, without an answer."""
+        with suppress(LinkError):
+            self._exchange.tell(Command.ABORT)
+
     def abort(self) -> Status:
-        """End a run that goes on; return the board's status."""
-        return self._status(Command.ABORT)
+        """End a run that goes on, whether or not the board got what was asked last; return its status."""
+        try:
+            return self._status(Command.ABORT)
+        except SessionLostError:
+            self._exchange.go_back()
+            return self._status(Command.ABORT)
 
     def _status(self, command: Command) -> Status:
         status = self._ask(command, Status)

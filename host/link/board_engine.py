@@ -110,7 +110,7 @@ class BoardEngine(SceneEngine):
             self._loaded = False
             if attempts == 1:
                 raise
-        self._board.hello()
+        self._board.take_again()
         return self._run(pose, margin, mode, attempts - 1)
 
     def _check_fit(self, pose: Pose, margin: int) -> None:

@@ -167,6 +167,19 @@ class Exchange:
         self._sequence = (self._sequence + 1) % 2**32
         return encode(RequestHead(command, self._sequence, self._session).pack() + payload)
 
+    def go_back(self) -> None:
+        """Have the next frame take the number before the last one's, which the board may never have got."""
+        self._sequence = (self._sequence - 2) % 2**32
+
+    def tell(self, command: Command) -> None:
+        """Send a command with either number that the board may expect, and wait for nothing.
+
+        The higher first: a frame waits for the answer to one that is refused, but not for a run to end.
+        """
+        last = encode(RequestHead(command, self._sequence, self._session).pack())
+        for frame in (self.next_frame(command, b""), last):
+            self._line.send(frame)
+
     def ask(self, command: Command, request: Record | bytes = b"") -> Reply:
         """Return the reply, whatever its code; raises LinkError where none comes."""
         payload = request.pack() if isinstance(request, Record) else request

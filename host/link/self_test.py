@@ -75,7 +75,7 @@ def self_test(board: Board, attempts: int = _ATTEMPTS) -> None:
     except SessionLostError:
         if attempts == 1:
             raise
-    board.hello()
+    board.take_again()
     self_test(board, attempts - 1)
 
 

@@ -221,11 +221,17 @@ def interrupt(*_):
     raise KeyboardInterrupt
 
 
-def test_a_run_that_is_interrupted_is_aborted(top, rng):
+@pytest.mark.parametrize("lost", [False, True])
+def test_a_run_that_is_interrupted_is_aborted(lost, top, rng, monkeypatch):
+    """Also where the board has not got what was asked last, and expects its number."""
     board = board_on(top)
     board.hello()
     for mesh in Mesh:
         board.load(mesh, rng.integers(-9, 9, (40, 3, 3)))
+    if lost:
+        send = board._line.send
+        sends = iter([send, interrupt])
+        monkeypatch.setattr(board._line, "send", lambda data: next(sends, send)(data))
     with pytest.raises(KeyboardInterrupt):
         board.run(Mode.ALL, 20, progress=interrupt)
     assert board.status().end == RunEnd.ABORTED
@@ -343,6 +349,14 @@ def test_an_interrupted_hold_stops_at_once(top, board_check, boxes, capsys, monk
     assert top.go_clocks
     assert top.stop
     assert "output: go until interrupted" in capsys.readouterr().out
+
+
+def test_the_end_of_a_hold_is_told_before_an_answer_is_waited_for():
+    told = []
+    board = SimpleNamespace(still=interrupt, stop=lambda: told.append("stop"))
+    with pytest.raises(KeyboardInterrupt):
+        engine_module.hold(board, None, lambda: told.append("unknown"))
+    assert told == ["stop", "unknown"]
 
 
 def test_a_board_whose_check_is_silent_is_refused_before_anything_is_loaded(

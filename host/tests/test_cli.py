@@ -19,8 +19,8 @@ from triaxis.coverage.counts import read_counts
 from triaxis.coverage.testplan import read_testplan
 from triaxis.golden.errors import InputError
 from triaxis.golden.pairs import VERDICT, read_pairs
-from triaxis.host import scenes
-from triaxis.host.cli import main
+from triaxis.host import cli, scenes
+from triaxis.host.cli import commands, main
 from triaxis.host.cli.commands import COMMANDS, GROUPS, remove_older_answers, withdraw_yes
 from triaxis.host.motion.gcode import read_lines
 from triaxis.host.stl import read_stl
@@ -236,6 +236,26 @@ def test_a_yes_is_withdrawn_where_the_command_fails_afterwards(verdict, left, tm
     report.write_text(json.dumps({"verdict": verdict}))
     withdraw_yes(["watch", "t.stl", "w.stl", "p.nc", "--json", str(report)])
     assert json.loads(report.read_text())["verdict"] == left
+
+
+def test_a_yes_goes_where_nothing_can_be_written(tmp_path, monkeypatch):
+    report = tmp_path / "report.json"
+    report.write_text('{"verdict": "clear"}')
+
+    def full(path, content):
+        raise InputError(f"{path}: no space left on device")
+
+    monkeypatch.setattr(commands, "write_whole", full)
+    withdraw_yes(["check", "a.stl", "b.stl", "--json", str(report)])
+    assert not report.exists()
+
+
+def test_an_interrupt_that_a_command_took_for_something_else_is_one(monkeypatch):
+    monkeypatch.setattr(commands, "runner", lambda name, words: lambda: 0)
+    assert main(["check", "a.stl", "b.stl"]) == 0
+    monkeypatch.setattr(cli, "_interrupted", True)
+    with pytest.raises(KeyboardInterrupt):
+        main(["check", "a.stl", "b.stl"])
 
 
 @pytest.mark.parametrize("name", ["-", "-1", "-1e3", "-5.", "-old report.json", "--json"])

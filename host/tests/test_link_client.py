@@ -322,6 +322,18 @@ def test_sessions_differ_are_never_0_and_a_lost_one_is_begun_again():
     assert sum(frame[1] == Command.HELLO for frame in line.frames) == 2
 
 
+def test_another_board_that_answers_in_the_place_of_the_first_is_refused():
+    line = ScriptedLine()
+
+    def exchanged():
+        line.board = replace(line.board, build=2)
+        return Code.BAD_SEQUENCE, b"\x07"
+
+    line.answers[Command.RUN] = exchanged
+    with pytest.raises(LinkError, match="another board answers than before; verdict unknown"):
+        check(line)
+
+
 @pytest.mark.parametrize("field", ["command", "sequence", "session", "code"])
 def test_replies_to_others_are_not_heard(field):
     line = ScriptedLine()

@@ -25,6 +25,7 @@ from triaxis.fpga.bitstream import (
     write_bitstream,
 )
 from triaxis.fpga.board_build import SIGNED_OFF, XC7A100T, Inputs, bitstream_sources, generics
+from triaxis.fpga.board_build import TOP as BOARD_TOP
 from triaxis.fpga.gowin_timing import (
     PART,
     TARGET_MHZ,
@@ -266,15 +267,24 @@ def _gate(options: argparse.Namespace) -> int:
 def add_bitstream(parser: argparse.ArgumentParser) -> None:
     """Ask the gate, then build with Vivado, which must be on PATH. Writes build/fpga/nexys4ddr.bit with a
     manifest; reports stay in build/fpga/vivado/. The power report uses the simulated activity of `triaxis
-    fpga activity` where there is one of the same RTL. Whatever happens, an older bitstream is removed
-    first.
+    fpga activity` where there is one of the same RTL. Whatever the gate and Vivado say, an older bitstream
+    is removed first.
     """
     _add_result(parser)
     parser.set_defaults(run=_bitstream)
 
 
 def _bitstream(options: argparse.Namespace) -> int:
-    remove_bitstream(BITSTREAM)
+    vivados = REPORTS / f"{BOARD_TOP}.bit"
+    remove_bitstream(BITSTREAM, vivados)
+    try:
+        return _allowed_bitstream(options)
+    finally:
+        # It has no manifest, and may be of what is refused in the end.
+        remove_bitstream(vivados)
+
+
+def _allowed_bitstream(options: argparse.Namespace) -> int:
     before = _provenance(options.result)
     if isinstance(before, list):
         return _refused(before)
