@@ -111,6 +111,8 @@ class CoverItem(Generic[Sample]):
             raise ValueError(f"{self.name}: needs points, and a mask point only as the first")
         if any(isinstance(p, MaskPoint) and len(p.bins) > MASK_BITS for p in self.points):
             raise ValueError(f"{self.name}: a mask has {MASK_BITS} bits")
+        if not self.size:
+            raise ValueError(f"{self.name}: a point without bins would always be covered")
         if any(isinstance(p, Coverpoint) and p.radix > _MOST_CODES for p in self.points):
             raise ValueError(f"{self.name}: a point has at most {_MOST_CODES} codes")
 
@@ -144,6 +146,8 @@ class CoverItem(Generic[Sample]):
         for codes in product(*map(range, self.shape)):
             name = " / ".join(point.bins[code] for point, code in zip(self.points, codes, strict=True))
             goal = self.at_least(*codes) if callable(self.at_least) else self.at_least
+            if goal < 1:
+                raise ValueError(f"{self.name}: {name}: a bin that needs no hit would always be covered")
             yield Bin(name, goal, next((e for e in self.exclusions if e.when(*codes)), None))
 
 

@@ -56,13 +56,27 @@ def _first_error(messages: str) -> str:
     return next((line for line in lines if "error:" in line), lines[0] if lines else "no message").strip()
 
 
-def _key(files: Sequence[Path]) -> str:
+def written(files: Sequence[Path]) -> list[tuple[int, int] | None]:
+    """Return what is another once one of the files was written to, though it may say the same again."""
+    found: list[tuple[int, int] | None] = []
+    for file in files:
+        try:
+            status = file.stat()
+        except OSError:
+            found.append(None)
+        else:
+            found.append((status.st_ino, status.st_ctime_ns))
+    return found
+
+
+def _file(name: str, files: Sequence[Path]) -> str:
+    """Return the name of a library's file."""
     digest = hashlib.sha256()
     for text in (target(cxx()), *_FLAGS):
         digest.update(text.encode() + b"\0")
     for file in files:
         digest.update(file.name.encode() + b"\0" + file.read_bytes() + b"\0")
-    return digest.hexdigest()[:12]
+    return f"{name}-{digest.hexdigest()[:12]}.so"
 
 
 def _compile(name: str, sources: Sequence[Path], output: Path) -> None:
@@ -87,9 +101,14 @@ def native_library(name: str, sources: Sequence[Path], headers: Sequence[Path] =
     ``headers`` are those of ours that the sources include. Raises InputError where there is no compiler
     or it fails.
     """
-    output = BUILD / f"{name}-{_key([*sources, *headers])}.so"
+    files = [*sources, *headers]
+    before = written(files)
+    output = BUILD / _file(name, files)
     if not output.is_file():
         _compile(name, sources, output)
+        if written(files) != before:
+            output.unlink()
+            raise InputError(f"{name}: its sources changed while it was compiled: run again")
     return ctypes.CDLL(str(output))
 
 

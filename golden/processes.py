@@ -1,10 +1,13 @@
-"""Work on all processors: a process each, interrupts for the first one only, results in order."""
+"""Work on all processors: a process each, interrupts for the first one only, results in order.
+
+Or threads, for what waits for other programs.
+"""
 
 import os
 import signal
 from collections.abc import Callable, Generator, Sequence
-from concurrent.futures import ProcessPoolExecutor
-from contextlib import closing
+from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
+from contextlib import closing, contextmanager
 from multiprocessing import get_context
 from typing import TypeVar
 
@@ -51,6 +54,16 @@ def in_processes(
             done(result)
             found.append(result)
     return found
+
+
+@contextmanager
+def threads(workers: int) -> Generator[ThreadPoolExecutor]:
+    """Provide threads; whatever ends the block, nothing more is begun, and what was begun is waited for."""
+    pool = ThreadPoolExecutor(workers)
+    try:
+        yield pool
+    finally:
+        pool.shutdown(cancel_futures=True)
 
 
 def _start() -> None:

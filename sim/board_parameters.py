@@ -12,7 +12,7 @@ MOST_BOARD_DEPTH = 32768
 
 # The top's own times, with which the board ships: its header says what they are.
 TOP_TIMES = {
-    "clocks_per_bit": 50,
+    "clocks_per_bit": 25,
     "watchdog_clocks": 10_000_000,
     "hold_clocks": 100_000,
     "digit_clocks": 12_500,

@@ -2,6 +2,7 @@
 
 import hashlib
 import os
+import re
 import shutil
 import subprocess
 from collections.abc import Callable, Sequence
@@ -10,11 +11,14 @@ from pathlib import Path
 from filelock import FileLock
 
 from triaxis.golden.errors import InputError
+from triaxis.golden.native import written
 from triaxis.golden.outputs import make_folder
 from triaxis.sim.paths import DUT
 from triaxis.sim.toolchain import verilator
 
 _LISTING = ".f"
+# What RTL reads in.
+_READ = re.compile(r'^(?!\s*//).*(?:`include\s+|\$readmem[bh]\s*\(\s*)"([^"]*)"', re.MULTILINE)
 _RTL_SUFFIXES = (".sv", ".svh", ".v", ".vh", _LISTING)
 
 
@@ -31,7 +35,8 @@ def content_hash(files: Sequence[Path], *more: str) -> str:
 def rtl_files(dut: Path = DUT) -> list[Path]:
     """Return everything in a folder of RTL that can elaborate, sub-folders too, and the lists of files.
 
-    Raises InputError where a list names what is not among them: nothing would tell of its changes.
+    Raises InputError where a list, or one of the files, names what is not among them: nothing would tell of
+    its changes.
     """
     found = sorted(path for path in dut.rglob("*") if path.suffix in _RTL_SUFFIXES and path.is_file())
     for listing in (path for path in found if path.suffix == _LISTING):
@@ -39,6 +44,11 @@ def rtl_files(dut: Path = DUT) -> list[Path]:
             place = Path(os.path.normpath(listing.parent / entry))
             if place.suffix not in _RTL_SUFFIXES or not place.is_relative_to(os.path.normpath(dut)):
                 raise InputError(f"{listing}: {entry}: must be a file of RTL in {dut}")
+    names = {path.name for path in found}
+    for path in found:
+        for name in _READ.findall(path.read_text(encoding="utf-8")):
+            if name not in names:
+                raise InputError(f"{path}: {name}: must be a file of RTL in {dut}")
     return found
 
 
@@ -57,12 +67,15 @@ def rtl_hash(dut: Path = DUT) -> str:
     return content_hash(rtl_files(dut))
 
 
-def built(folder: Path, make: Callable[[Path], None]) -> Path:
-    """Return ``folder``, after ``make`` has filled it once, whoever else wants it meanwhile.
+def built(place: Path, files: Sequence[Path], settings: Sequence[str], make: Callable[[Path], None]) -> Path:
+    """Return the folder of a name and a hash of all that goes in, after ``make`` has filled it once.
 
-    ``make`` works in a folder beside it that is renamed when whole, so an interrupted build leaves
-    nothing that looks finished.
+    Whoever else wants it waits. ``make`` works in a folder beside it that is renamed when whole, so an
+    interrupted build leaves nothing that looks finished. It reads the files after they were hashed: raises
+    InputError where one was written to meanwhile, and keeps nothing.
     """
+    before = written(files)
+    folder = place.with_name(f"{place.name}-{content_hash(files, *settings)[:12]}")
     make_folder(folder.parent)
     with FileLock(folder.with_name(folder.name + ".lock")):
         if not folder.is_dir():
@@ -70,6 +83,9 @@ def built(folder: Path, make: Callable[[Path], None]) -> Path:
             shutil.rmtree(partial, ignore_errors=True)
             make_folder(partial)
             make(partial)
+            if written(files) != before:
+                shutil.rmtree(partial)
+                raise InputError(f"{place.name}: its sources changed while it was built: run again")
             partial.rename(folder)
     return folder
 

@@ -13,7 +13,7 @@ from pathlib import Path
 from cocotb_tools.runner import get_runner
 
 from triaxis.golden.errors import InputError
-from triaxis.sim.build import build_error, built, content_hash
+from triaxis.sim.build import build_error, built
 from triaxis.sim.paths import BUILD, VERIF
 from triaxis.sim.programs import read_slang, run_to_result, yosys, yosys_version
 from triaxis.sim.verilate import Build
@@ -46,8 +46,7 @@ def compiled_for(simulator: str, build: Build) -> Path:
     if simulator == ICARUS and not icarus_installed():
         raise InputError("iverilog: not found: install Icarus Verilog (Debian: apt-get install iverilog)")
     tools = (icarus_version(), yosys_version()) if simulator == ICARUS else (str(build.dut),)
-    key = content_hash([Path(__file__)], simulator, build.hashed, *tools)
-    folder = BUILD / simulator / f"{build.name}-{key[:12]}"
+    settings = (simulator, build.hashed, *tools)
 
     def make(partial: Path) -> None:
         print(f"building {build.name} for {simulator} (once) ..", file=sys.stderr, flush=True)
@@ -65,7 +64,7 @@ def compiled_for(simulator: str, build: Build) -> Path:
             problem = InputError(f"{simulator}: {error}: install it, or choose another simulator")
             raise build_error(f"{build.name} for {simulator}", log) if log.exists() else problem from error
 
-    return built(folder, make)
+    return built(BUILD / simulator / build.name, [Path(__file__), *build.files], settings, make)
 
 
 def plain_verilog(build: Build, folder: Path) -> Path:

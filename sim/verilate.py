@@ -7,7 +7,6 @@ for each model, which is most of a small build.
 import subprocess
 import sys
 from collections.abc import Mapping, Sequence
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field, replace
 from enum import Enum
 from functools import cache
@@ -15,6 +14,7 @@ from pathlib import Path
 
 from triaxis.golden.errors import InputError
 from triaxis.golden.native import cxx, target
+from triaxis.golden.processes import threads
 from triaxis.sim.build import built, content_hash, run_tool
 from triaxis.sim.lanes import write_lanes
 from triaxis.sim.paths import BUILD, DUT, SIM
@@ -148,17 +148,20 @@ class Build:
         return [f"-D{name}={value}" for name, value in values.items()]
 
     @property
+    def files(self) -> list[Path]:
+        """Return the files of ours that go in."""
+        more = [SIM / "lanes.py"] if self.lanes else []
+        return [*self.sources, *self.above, *self.cpp, *self.headers, *_PLAYERS, *self.objects, *more]
+
+    @property
     def hashed(self) -> str:
         """Return a hash of everything that goes in. The folder of the RTL stands for its contents.
 
         Where cocotb's libraries are is in every program: in a checkout that was moved they are elsewhere.
         """
-        files = [*self.sources, *self.above, *self.cpp, *self.headers, *_PLAYERS, *self.objects]
-        if self.lanes:
-            files.append(SIM / "lanes.py")
         return content_hash(
-            files, str(verilator()), target(cxx()), self.top, *self.flags, *self.preprocessed, *_linked(self),
-            self.speed, str(self.plain), str(self.lanes),
+            self.files, str(verilator()), target(cxx()), self.top, *self.flags, *self.preprocessed,
+            *_linked(self), self.speed, str(self.plain), str(self.lanes),
             repr(sorted(self.parameters.items())), repr(sorted(self.defines.items())), str(self.selectable),
             # Counters are told by the files that they are of.
             str(self.dut) if self.counters else "",
@@ -193,7 +196,6 @@ def verilate(build: Build, jobs: int = 2) -> Path:
             f"code coverage: Verilator {verilator()}: 5.048 or newer is needed; unset VERILATOR to use the "
             "package index's"
         )
-    folder = BUILD / build.form.value / f"{build.kind}-{build.hashed[:12]}"
 
     def make(partial: Path) -> None:
         print(f"building {build.kind} (once) ..", file=sys.stderr, flush=True)
@@ -201,7 +203,7 @@ def verilate(build: Build, jobs: int = 2) -> Path:
         run_tool(verilate_command(build, partial / "obj"), partial, build.kind)
         compile_model(build, partial / "obj", partial, jobs)
 
-    return built(folder, make)
+    return built(BUILD / build.form.value / build.kind, build.files, (build.hashed,), make)
 
 
 def product(build: Build) -> str:
@@ -217,15 +219,14 @@ def library(build: Build, jobs: int = 2) -> Path:
 def described(build: Build) -> Path:
     """Return the file in which Verilator describes the elaborated design (JSON)."""
     build = replace(build, counters=False, cpp=(), headers=())
-    key = content_hash((), build.hashed, str(build.dut))
-    folder = BUILD / "elaborated" / f"{build.name}-{key[:12]}"
 
     def make(partial: Path) -> None:
         command = verilate_command(build, partial)
         command[command.index("--cc")] = "--json-only"
         run_tool(command, partial, f"{build.kind}, elaboration")
 
-    return built(folder, make) / f"{PREFIX}.tree.json"
+    settings = (build.hashed, str(build.dut))
+    return built(BUILD / "elaborated" / build.name, build.files, settings, make) / f"{PREFIX}.tree.json"
 
 
 @cache
@@ -259,7 +260,7 @@ def runtime(build: Build) -> Path:
         names.append(f"verilated_{build.trace}_c")
     sources = [_include() / f"{name}.cpp" for name in names]
     command = compiler(build, FAST)
-    key = content_hash(sources, str(verilator()), target(cxx()), *_without_folders(command))
+    settings = (str(verilator()), target(cxx()), *_without_folders(command))
 
     def make(partial: Path) -> None:
         objects = [partial / f"{source.stem}.o" for source in sources]
@@ -267,7 +268,7 @@ def runtime(build: Build) -> Path:
             run_tool([*command, "-c", str(source), "-o", str(compiled)], partial, "Verilator's library")
         run_tool(["ar", "rc", str(partial / "libruntime.a"), *map(str, objects)], partial, "libruntime.a")
 
-    return built(BUILD / "runtime" / key[:12], make) / "libruntime.a"
+    return built(BUILD / "runtime" / "verilator", sources, settings, make) / "libruntime.a"
 
 
 def _headers(build: Build, speed: str) -> Path:
@@ -275,16 +276,14 @@ def _headers(build: Build, speed: str) -> Path:
     command = compiler(build, speed)
     # Inlined arithmetic is more to compile, and without optimisation no faster.
     included = "verilated.h" if build.plain or speed == QUICK else _ARITHMETIC.name
-    key = content_hash(
-        [_ARITHMETIC], "headers", included, str(verilator()), target(cxx()), *_without_folders(command)
-    )
+    settings = (included, str(verilator()), target(cxx()), *_without_folders(command))
 
     def make(partial: Path) -> None:
         header = partial / "model.h"
         header.write_text(f"#include <{included}>\n")
         run_tool([*command, "-x", "c++-header", str(header), "-o", f"{header}.gch"], partial, "headers")
 
-    return built(BUILD / "runtime" / key[:12], make) / "model.h"
+    return built(BUILD / "runtime" / "headers", [_ARITHMETIC], settings, make) / "model.h"
 
 
 def _player(build: Build, model: Path) -> Path:
@@ -295,10 +294,8 @@ def _player(build: Build, model: Path) -> Path:
     sources = (*build.cpp, *build.headers)
     named = any(f"{PREFIX}_" in file.read_text(encoding="utf-8") for file in sources)
     seen = sorted(model.glob(f"{PREFIX}*.h" if named else f"{PREFIX}.h"))
-    key = content_hash(
-        [*seen, model / _DEFINES, *sources, *_PLAYERS], "player", str(verilator()),
-        target(cxx()), *_without_folders(compiler(build, QUICK)),
-    )  # fmt: skip
+    files = [*seen, model / _DEFINES, *sources, *_PLAYERS]
+    settings = (str(verilator()), target(cxx()), *_without_folders(compiler(build, QUICK)))
 
     def make(partial: Path) -> None:
         whole = partial / "player.cc"
@@ -306,7 +303,7 @@ def _player(build: Build, model: Path) -> Path:
         command = unit_command(build, model, QUICK)
         run_tool([*command, "-c", str(whole), "-o", str(partial / "player.o")], partial, build.kind)
 
-    return built(BUILD / "runtime" / key[:12], make) / "player.o"
+    return built(BUILD / "runtime" / "player", files, settings, make) / "player.o"
 
 
 def unit_command(build: Build, model: Path, speed: str) -> list[str]:
@@ -357,7 +354,7 @@ def compile_model(build: Build, model: Path, folder: Path, jobs: int) -> Path:
         run_tool([*command, "-c", str(unit), "-o", str(output)], folder, build.kind)
         return str(output)
 
-    with ThreadPoolExecutor(jobs) as pool:
+    with threads(jobs) as pool:
         objects = list(pool.map(compiled, *zip(*pieces, strict=True)))
     made = folder / product(build)
     command = [cxx(), "-pthread", "-o", str(made), *objects, *map(str, compiled_before), str(verilated)]

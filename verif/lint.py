@@ -7,7 +7,6 @@ import re
 import subprocess
 import sys
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from concurrent.futures import ThreadPoolExecutor
 from functools import partial
 from pathlib import Path
 
@@ -15,6 +14,7 @@ from triaxis.fpga.gowin_timing import HARNESS as TIMING_HARNESS
 from triaxis.fpga.gowin_timing import TOP as TIMING_TOP
 from triaxis.fpga.register_block import REGISTERS_RTL, SOC_RTL
 from triaxis.golden.errors import InputError
+from triaxis.golden.processes import threads
 from triaxis.sim.board_parameters import BoardParameters
 from triaxis.sim.configuration import Configuration
 from triaxis.sim.mesh_configuration import MeshConfiguration
@@ -41,7 +41,7 @@ _MESH_BUILDS = (
     MeshConfiguration(16, 16, depth=2, group=1, lanes=1, certified=True),
 )
 _BOARD_BUILDS = (
-    BoardParameters(depth=4096, clocks_per_bit=50),
+    BoardParameters(depth=4096, clocks_per_bit=25),
     BoardParameters(32, 32),
     BoardParameters(13, 1, depth=128, group=16, lanes=4),
     BoardParameters(8, 0),
@@ -99,7 +99,7 @@ def _verible_format() -> list[str]:
 
 def lint_rtl(linters: Mapping[str, Sequence[str]]) -> dict[str, list[str]]:
     """Run these linters; return what each found, a line each: none where it is content."""
-    with ThreadPoolExecutor(os.cpu_count()) as pool:
+    with threads(os.cpu_count() or 1) as pool:
         answers = pool.map(_answer, linters.values())
         return {what: _findings(answer) for what, answer in zip(linters, answers, strict=True)}
 
@@ -168,7 +168,7 @@ def lint(fix: bool) -> bool:
         ("import-linter", [_bin("lint-imports"), "--no-cache"]),
     ):
         checks.append(partial(_run, what, command))
-    with ThreadPoolExecutor(os.cpu_count()) as pool:
+    with threads(os.cpu_count() or 1) as pool:
         return all([good, *pool.map(lambda check: check(), checks)])
 
 

@@ -20,7 +20,7 @@ from triaxis.bench.harness import FOLDER
 from triaxis.bench.peers.peer import Peer, PeerAbsentError, Question, Reals
 from triaxis.golden.errors import InputError
 from triaxis.golden.native import cxx, target
-from triaxis.sim.build import built, content_hash, run_tool
+from triaxis.sim.build import built, run_tool
 
 _FLAGS = ("-O3", "-DNDEBUG", "-fPIC", "-shared", "-w")
 # Behind what pkg-config says, which is older.
@@ -39,14 +39,14 @@ def _compiled(package: str, version: str, flags: Sequence[str], libraries: Seque
     name = package.lower()
     source, file = Path(__file__).with_name(f"{name}.cpp"), f"{name}.so"
     options = [*_FLAGS, *flags, _STANDARD]
-    key = content_hash([source], target(cxx()), version, *options, *libraries)
+    settings = (target(cxx()), version, *options, *libraries)
 
     def make(partial_: Path) -> None:
         command = [cxx(), *options, str(source), "-o", str(partial_ / file), *libraries]
         run_tool(command, partial_, f"{package}'s loop")
 
     try:
-        library = ctypes.CDLL(str(built(FOLDER / "native" / f"{name}-{key[:12]}", make) / file))
+        library = ctypes.CDLL(str(built(FOLDER / "native" / name, [source], settings, make) / file))
     except (InputError, OSError) as error:
         raise PeerAbsentError(f"{package}'s headers: found, but {error}") from error
     library.triaxis_load.restype, library.triaxis_load.argtypes = _POINTER, [_KIND, _POINTER, _LONG]

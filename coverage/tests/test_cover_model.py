@@ -83,6 +83,13 @@ def test_counts_are_those_of_counting_one_by_one(rng, chosen):
         assert found == counted_one_by_one(item, sample, count)
 
 
+def test_what_would_always_be_covered_is_refused():
+    with pytest.raises(ValueError, match="without bins would always be covered"):
+        CoverItem("item", "", (replace(POINTS[0], bins=()),))
+    with pytest.raises(ValueError, match=f"item: {POINTS[0].bins[0]}: a bin that needs no hit"):
+        list(CoverItem("item", "", (POINTS[0],), at_least=0).bins)
+
+
 def test_a_code_without_a_bin_is_an_error_and_not_another_bin():
     sample = {"a": np.array([0, 2]), "b": np.array([0, 0]), "mask": np.array([1, 1 << 19], np.uint32)}
     with pytest.raises(ValueError, match="a: code 2"):

@@ -22,7 +22,7 @@ module nexys4ddr_top
     parameter int unsigned Group = 8,
     parameter int unsigned Lanes = 8,
     parameter bit Certify = 1'b1,  // as in triaxis_mesh
-    parameter int unsigned ClocksPerBit = 50,  // 2,000,000 baud
+    parameter int unsigned ClocksPerBit = 25,  // 4,000,000 baud
     parameter int unsigned WatchdogClocks = 10_000_000,  // 100 ms
     parameter int unsigned HoldClocks = ClocksPerMs,  // of a run's hold: 1 ms
     parameter int unsigned BeatClocks = 50_000,  // 1 kHz

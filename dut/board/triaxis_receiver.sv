@@ -7,7 +7,7 @@
 module triaxis_receiver
   import triaxis_board_pkg::*;
 #(
-    parameter int unsigned ClocksPerBit = 50
+    parameter int unsigned ClocksPerBit = 25
 ) (
     input logic clk_i,
     input logic rst_ni,

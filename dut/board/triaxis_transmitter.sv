@@ -8,7 +8,7 @@ module triaxis_transmitter
   import triaxis_board_pkg::*;
 #(
     parameter int unsigned IndexWidth   = 12,
-    parameter int unsigned ClocksPerBit = 50
+    parameter int unsigned ClocksPerBit = 25
 ) (
     input logic clk_i,
     input logic rst_ni,

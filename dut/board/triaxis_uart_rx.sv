@@ -9,7 +9,7 @@
 // given in the middle of its stop bit.
 
 module triaxis_uart_rx #(
-    parameter int unsigned ClocksPerBit = 50  // at least 4
+    parameter int unsigned ClocksPerBit = 25  // at least 4
 ) (
     input logic clk_i,
     input logic rst_ni,

@@ -6,7 +6,7 @@
 // Latency: 1 clock from acceptance to the start bit; 10 * ClocksPerBit clocks a byte.
 
 module triaxis_uart_tx #(
-    parameter int unsigned ClocksPerBit = 50
+    parameter int unsigned ClocksPerBit = 25
 ) (
     input logic clk_i,
     input logic rst_ni,

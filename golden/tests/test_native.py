@@ -51,6 +51,19 @@ def test_errors_are_one_line_and_leave_no_library(build, sources, monkeypatch):
         answer_of(sources)
 
 
+def test_what_is_saved_while_it_is_compiled_leaves_no_library(build, sources, monkeypatch):
+    run = subprocess.run
+
+    def saved_meanwhile(*arguments, **options):
+        sources[1].write_text("#define ANSWER 43\n")
+        return run(*arguments, **options)
+
+    monkeypatch.setattr(native.subprocess, "run", saved_meanwhile)
+    with pytest.raises(InputError, match=r"^answer: its sources changed while it was compiled: run again$"):
+        answer_of(sources)
+    assert not list(build.iterdir())
+
+
 def test_processes_at_the_same_time(build, sources):
     code = (
         "import sys; from pathlib import Path; from triaxis.golden import native\n"

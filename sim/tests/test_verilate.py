@@ -13,7 +13,7 @@ from cocotb_tools.runner import get_runner
 from triaxis.golden.errors import InputError
 from triaxis.sim import toolchain, verilate
 from triaxis.sim.board_parameters import BoardParameters
-from triaxis.sim.build import content_hash, rtl_files, rtl_hash
+from triaxis.sim.build import built, content_hash, rtl_files, rtl_hash
 from triaxis.sim.configuration import Configuration
 from triaxis.sim.mesh_configuration import MeshConfiguration
 from triaxis.sim.models import (
@@ -74,8 +74,45 @@ def test_a_list_that_names_what_is_not_hashed_is_refused(dut, entry):
         rtl_hash(dut)
 
 
+@pytest.mark.parametrize("line", ['`include "table.inc"', 'initial $readmemh("table.hex", table);'])
+def test_rtl_that_reads_what_is_not_hashed_is_refused(dut, line):
+    (dut / "core" / "triaxis_extent.sv").open("a").write(f"// {line}\n")
+    rtl_hash(dut)
+    (dut / "core" / "triaxis_extent.sv").open("a").write(f"{line}\n")
+    with pytest.raises(InputError, match=r"triaxis_extent\.sv: table\.\w+: must be a file of RTL"):
+        rtl_hash(dut)
+
+
+@pytest.mark.parametrize("taken_back", [False, True])
+def test_what_is_saved_while_it_is_built_leaves_nothing(tmp_path, taken_back):
+    source, place = tmp_path / "source", tmp_path / "build" / "model"
+    source.write_text("1")
+
+    def make(folder):
+        (folder / "made").write_text(source.read_text())
+
+    def saved_meanwhile(folder):
+        source.write_text("2")
+        make(folder)
+        if taken_back:
+            source.write_text("1")
+
+    with pytest.raises(InputError, match=r"^model: its sources changed while it was built: run again$"):
+        built(place, [source], (), saved_meanwhile)
+    assert not [path for path in place.parent.iterdir() if path.is_dir()]
+    source.write_text("1")
+    first = built(place, [source], (), make)
+    assert (first / "made").read_text() == "1"
+    source.write_text("2")
+    assert (built(place, [source], (), make) / "made").read_text() == "2"
+    source.write_text("1")
+    assert built(place, [source], (), saved_meanwhile) == first
+
+
 def test_a_player_is_shared_by_models_that_look_the_same_to_it(tmp_path, monkeypatch):
-    monkeypatch.setattr(verilate, "built", lambda folder, make: folder)
+    monkeypatch.setattr(
+        verilate, "built", lambda place, files, settings, _: place / content_hash(files, *settings)
+    )
 
     def player(block, top, root):
         model = tmp_path / f"{top}-{root}"

@@ -33,7 +33,7 @@ BOARD = "board_w12_m5_d128_g8_l4"
 # The same, with a core that shows no "clear" again.
 PLAIN = "board_w12_m5_d128_g8_l4_plain"
 # The sizes that ship, as `fpga.board_build.SIGNED_OFF` has them, with the environment's short times, and the
-# top's own: then a byte takes 500 clocks, and the watchdog ten million.
+# top's own: then a byte takes 250 clocks, and the watchdog ten million.
 SHIPPED, REAL = "board_w16_m16_d4096_g8_l8", "board_w16_m16_d4096_g8_l8_real"
 
 _SHORT, _BYTE = 200, 60

@@ -5,7 +5,6 @@ The tests check every answer as always: coverage by a core that answers wrongly 
 
 import time
 from collections.abc import Callable, Sequence
-from concurrent.futures import ThreadPoolExecutor
 from contextlib import closing
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
@@ -26,9 +25,9 @@ from triaxis.coverage.waiver_upkeep import waiver_records
 from triaxis.coverage.waivers import WAIVERS, Waiver, read_waivers
 from triaxis.golden.errors import InputError
 from triaxis.golden.outputs import make_folder
-from triaxis.golden.processes import results_in_processes
+from triaxis.golden.processes import results_in_processes, threads
 from triaxis.sim.board_parameters import BoardParameters, parse_board_configuration
-from triaxis.sim.build import built, content_hash, rtl_hash
+from triaxis.sim.build import built, rtl_hash
 from triaxis.sim.configuration import Configuration
 from triaxis.sim.detector import DetectorPlayer
 from triaxis.sim.evidence import write_evidence
@@ -172,9 +171,7 @@ def covered(configuration: Measured) -> Build:
         for name, text in texts.items():
             (folder / name).write_text(text, encoding="utf-8")
 
-    folder = built(
-        BUILD / "coverage" / f"{build.name}-{content_hash((), *texts, *texts.values())[:12]}", write
-    )
+    folder = built(BUILD / "coverage" / build.name, (), (*texts, *texts.values()), write)
     sources = (*build.sources, *(folder / name for name in sorted(texts)))
     # Little less speed than more optimising, for much less compiling.
     return replace(build, sources=sources, counters=True, assertions=True, speed=LIGHT, split=5000)
@@ -275,15 +272,10 @@ def _run_all(
     A process takes a test, and not all of a model: the board's take as long as those of all others.
     """
     counted: list[_Counted] = []
-    with ThreadPoolExecutor(_JOBS) as threads:
-        try:
-            for one in threads.map(_Counted.make, models):
-                counted.append(one)
-                progress(1)
-        except BaseException:
-            # An error or an interrupt: start nothing more.
-            threads.shutdown(wait=False, cancel_futures=True)
-            raise
+    with threads(_JOBS) as pool:
+        for one in pool.map(_Counted.make, models):
+            counted.append(one)
+            progress(1)
     tests = [one.tests(seed, pairs) for one in counted]
     with closing(
         results_in_processes(_Test.run, [one for some in tests for one in some], workers=_JOBS)

@@ -15,7 +15,7 @@ import pyslang
 
 from triaxis.coverage.code_counters import STATES
 from triaxis.golden.errors import InputError
-from triaxis.sim.build import built, content_hash
+from triaxis.sim.build import built
 from triaxis.sim.paths import BUILD, DUT
 from triaxis.sim.programs import read_slang, yosys_version
 from triaxis.verif.formal.netlist import flat, run_yosys
@@ -55,12 +55,12 @@ class StateMachine:
         """
         names = [source.relative_to(DUT).as_posix() for source in sources if source.is_relative_to(DUT)]
         script = _ARCS.format(reading=read_slang(flat(names), self.module, {}), register=self.register)
-        key = content_hash([DUT / name for name in names], script, yosys_version())
 
         def ask(folder: Path) -> None:
             run_yosys(script, DUT, names, folder, "done.txt")
 
-        log = built(BUILD / "elaborated" / f"{self.module}_{self.register}-{key[:12]}", ask) / "yosys.log"
+        place, files = BUILD / "elaborated" / f"{self.module}_{self.register}", [DUT / name for name in names]
+        log = built(place, files, (script, yosys_version()), ask) / "yosys.log"
         shown = _STEP.findall(log.read_text(encoding="utf-8"))
         models = [dict(pair) for pair in zip(shown[::2], shown[1::2], strict=True)]
         steps = sorted({(int(model["q"]), int(model["d"])) for model in models})

@@ -3,7 +3,6 @@
 import argparse
 import sys
 from collections.abc import Mapping
-from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 from rich.console import Console
@@ -40,6 +39,7 @@ from triaxis.fpga.logic_depth import LogicDepth, logic_depth
 from triaxis.fpga.register_block import write_register_model, write_registers
 from triaxis.fpga.resources import BUILDS, TOP, Build, Row, synthesise, write_report
 from triaxis.golden.errors import InputError
+from triaxis.golden.processes import threads
 from triaxis.host.cli import DONE, NO
 from triaxis.host.cli.arguments import add_seed, named_folder
 from triaxis.host.cli.terminal import progress_bar, table
@@ -82,7 +82,7 @@ def _report(_options: argparse.Namespace) -> int:
             progress(1)
             return Row(build, made.used, made.memories, depth)
 
-        with ThreadPoolExecutor(_JOBS) as pool:
+        with threads(_JOBS) as pool:
             rows = list(pool.map(job, BUILDS))
     path = BUILD / "fpga" / "report.json"
     write_report(path, rows, rtl, tool)

@@ -3,13 +3,13 @@
 import os
 import time
 from collections.abc import Callable, Sequence
-from concurrent.futures import ThreadPoolExecutor
 from functools import partial
 from pathlib import Path
 
 from filelock import FileLock
 
 from triaxis.golden.outputs import make_folder
+from triaxis.golden.processes import threads
 from triaxis.sim.build import rtl_hash
 from triaxis.sim.paths import DUT
 from triaxis.verif.faults import runs
@@ -62,20 +62,15 @@ def _catch_all(
     before = rtl_hash(dut)
     folders = [faulty_rtl(fault, dut) if fault.patch else dut for fault in chosen]
     outcomes: list[Outcome] = []
-    with ThreadPoolExecutor(_JOBS) as pool:
+    with threads(_JOBS) as pool:
         # It runs every test to its end, and takes longest.
         healthy = pool.submit(control, chosen, seed, dut)
         tries = [pool.submit(_tried, *each, seed) for each in zip(chosen, folders, strict=True)]
-        try:
-            for fault, future in zip(chosen, tries, strict=True):
-                # Shrinking and drawing are for the main thread, beside the tries of other faults.
-                outcomes.append(_concluded(fault, *future.result(), seed))
-                progress(1)
-            wrong = healthy.result()
-        except BaseException:
-            # An error or an interrupt: start nothing more.
-            pool.shutdown(wait=False, cancel_futures=True)
-            raise
+        for fault, future in zip(chosen, tries, strict=True):
+            # Shrinking and drawing are for the main thread, beside the tries of other faults.
+            outcomes.append(_concluded(fault, *future.result(), seed))
+            progress(1)
+        wrong = healthy.result()
     return FaultsResult(outcomes, wrong, rtl_hash(dut) != before, seed, time.monotonic() - start)
 
 

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from triaxis.golden.errors import InputError
-from triaxis.sim.build import built, content_hash, rtl_files, rtl_hash
+from triaxis.sim.build import built, rtl_files
 from triaxis.sim.paths import BUILD, DUT
 from triaxis.verif.faults.known_faults import Fault
 
@@ -99,5 +99,4 @@ def patched_rtl(place: Path, patches: Sequence[Path], dut: Path = DUT) -> Path:
         for patch in patches:
             apply_patch(patch, partial)
 
-    key = content_hash(patches, rtl_hash(dut))
-    return built(place.with_name(f"{place.name}-{key[:12]}"), make)
+    return built(place, [*patches, *rtl_files(dut)], (), make)

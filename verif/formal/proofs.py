@@ -636,7 +636,7 @@ def board_proofs() -> tuple[SbyProof, ...]:
                 "the line was in the middle of it, after a start bit and before a stop bit; without a stop "
                 "bit it is an error, told once.",
                 ("board/triaxis_uart_rx",),
-                {"ClocksPerBit": 50},
+                {"ClocksPerBit": 25},
                 54,
             ),
             cover_from_reset=False,

@@ -4,7 +4,7 @@ import fnmatch
 import os
 import time
 from collections.abc import Callable, Sequence
-from concurrent.futures import ThreadPoolExecutor, as_completed
+from concurrent.futures import as_completed
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -12,6 +12,7 @@ from filelock import FileLock
 
 from triaxis.golden.errors import InputError
 from triaxis.golden.outputs import make_folder
+from triaxis.golden.processes import threads
 from triaxis.sim.build import rtl_hash
 from triaxis.sim.evidence import write_evidence
 from triaxis.sim.paths import BUILD, DUT, ROOT
@@ -101,17 +102,12 @@ def prove_all(
     outcomes: dict[str, Outcome] = {}
     make_folder(folder)
     # Another run in the same folder is waited for.
-    with FileLock(folder / ".lock"), ThreadPoolExecutor(jobs) as pool:
+    with FileLock(folder / ".lock"), threads(jobs) as pool:
         before, start = rtl_hash(dut), time.monotonic()
         running = [pool.submit(outcome_of, proof, dut, folder / proof.name) for proof in chosen]
-        try:
-            for future in as_completed(running):
-                outcomes[future.result().proof.name] = future.result()
-                progress(1)
-        except BaseException:
-            # An error or an interrupt: start nothing more.
-            pool.shutdown(wait=False, cancel_futures=True)
-            raise
+        for future in as_completed(running):
+            outcomes[future.result().proof.name] = future.result()
+            progress(1)
         ordered = tuple(outcomes[proof.name] for proof in chosen)
         complete = len(chosen) == len(proofs())
         registers = _covered(ordered, dut, folder / "registers") if complete else None

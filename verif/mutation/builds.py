@@ -60,14 +60,13 @@ def _exact_checker(build: Build) -> Path:
     """Return the checker of golden/ as the stand-in for the core's data path asks it, compiled once."""
     source, golden = EXACT_CORE / "exact_core.cpp", ROOT / "golden"
     files = [source, *sorted([*golden.glob("*.h"), *golden.glob("*.cpp")])]
-    key = content_hash(files, str(verilator()), target(cxx()))
 
     def make(partial: Path) -> None:
         output = partial / "exact_core.o"
         command = [*compiler(build, FAST), f"-I{golden}", "-c", str(source), "-o", str(output)]
         run_tool(command, partial, source.name)
 
-    return built(FOLDER / f"exact-{key[:12]}", make) / "exact_core.o"
+    return built(FOLDER / "exact", files, (str(verilator()), target(cxx())), make) / "exact_core.o"
 
 
 def _build(target_: AnyTarget, dut: Path, assertions: bool) -> Build:

@@ -23,7 +23,6 @@
 import shutil
 import tomllib
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from functools import cache
 from importlib.metadata import PackageNotFoundError, version
@@ -37,6 +36,7 @@ import numpy.typing as npt
 from triaxis.golden.bulk import bulk_facts
 from triaxis.golden.errors import InputError
 from triaxis.golden.pairs import MAX_WIDTH, Pairs
+from triaxis.golden.processes import threads
 from triaxis.sim.build import content_hash, mesh_files, rtl_files
 from triaxis.sim.configuration import Configuration
 from triaxis.sim.core_engine import CoreError, CorePlayer, streamed
@@ -439,7 +439,7 @@ def check_equivalents(
     def prove(item: tuple[Equivalent, list[Mutant], Path]) -> str | None:
         return _kept(*item, dut, ended)
 
-    with ThreadPoolExecutor(jobs) as pool:
+    with threads(jobs) as pool:
         answers = list(pool.map(prove, checked))
     of_checked = {entry.mutants[0]: answer for (entry, *_), answer in zip(checked, answers, strict=True)}
     held: dict[str, Equivalent] = {}

@@ -7,7 +7,6 @@ and the rows of registers, are changed in both places at once, and told apart.
 
 import time
 from collections.abc import Callable, Sequence
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import asdict, dataclass
 from fnmatch import fnmatch
 from pathlib import Path
@@ -18,6 +17,7 @@ import numpy.typing as npt
 
 from triaxis.golden.bulk import bulk_facts
 from triaxis.golden.errors import InputError
+from triaxis.golden.processes import threads
 from triaxis.sim.configuration import Configuration, parse_configuration
 from triaxis.sim.core_engine import CoreError, CorePlayer, streamed
 from triaxis.sim.evidence import write_evidence
@@ -174,7 +174,7 @@ def compare(
         progress(1)
         return found
 
-    with ThreadPoolExecutor(_JOBS) as pool:
+    with threads(_JOBS) as pool:
         compared = tuple(pool.map(one, wanted))
     problems = [] if any(one.dangerous for one in compared) else ["no mutant is dangerous: nothing shown"]
     if not before.still_holds(SOURCES):

@@ -44,7 +44,7 @@ _TESTS = {"core": CORE_TESTS[0], "mesh": MESH_TESTS[0], "board": BOARD_TESTS[0]}
 BLOCKS = tuple(_TESTS)
 # What plays a block plays no other one; and nobody looks at waves of a mutant.
 _PLAYERS = {
-    "core": ("sim/core_player.cpp", "sim/lanes_player.cpp", "sim/detector_player.cpp", "sim/bare_tb.vlt"),
+    "core": ("sim/core_player.cpp", "sim/lanes_player.cpp", "sim/detector_player.cpp"),
     "mesh": ("sim/mesh_player.cpp", "sim/mesh_public.vlt"),
     "board": ("sim/board_player.cpp",),
 }

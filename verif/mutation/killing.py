@@ -4,17 +4,17 @@ All run-time mutants of a target are in one library; what is fixed at elaboratio
 Either is tried by `run_trials`, test by test, until a test fails.
 """
 
-import multiprocessing
 from collections import Counter
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor, as_completed
-from contextlib import contextmanager
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from concurrent.futures import as_completed
+from contextlib import closing
 from dataclasses import dataclass, replace
 from pathlib import Path
 from tempfile import mkdtemp
 from threading import BoundedSemaphore, Event, Lock
 
 from triaxis.golden.errors import InputError
+from triaxis.golden.processes import results_in_processes, threads
 from triaxis.sim.evidence import Timeline
 from triaxis.sim.verilate import QUICK
 from triaxis.verif.core.detector_check import first_wrong
@@ -80,16 +80,6 @@ class Stage:
         return mutant_library(self.target, dut, folder, self.assertions, unless, self.speed)
 
 
-@contextmanager
-def _threads(jobs: int) -> Iterator[ThreadPoolExecutor]:
-    """Provide threads; whatever ends the block, nothing more is begun."""
-    pool = ThreadPoolExecutor(jobs)
-    try:
-        yield pool
-    finally:
-        pool.shutdown(cancel_futures=True)
-
-
 class Hunt:
     """Tries mutants stage by stage; knows what became of them so far."""
 
@@ -144,7 +134,7 @@ class Hunt:
         place = self._order.get(mutant)
         return Model(mutant, str(library), selected, place.test if place else "")
 
-    def beside(self, lanes: Iterable[Iterable[Callable[[], None]]], threads: int) -> None:
+    def beside(self, lanes: Iterable[Iterable[Callable[[], None]]], at_once: int) -> None:
         """Do what is in each lane in its order, so many lanes at a time: one alone keeps all processors busy
         only while it has much to try.
         """
@@ -155,7 +145,7 @@ class Hunt:
                     return
                 step()
 
-        with _threads(threads) as pool:
+        with threads(at_once) as pool:
             try:
                 for done in as_completed([pool.submit(run, lane) for lane in lanes]):
                     done.result()
@@ -191,7 +181,7 @@ class Hunt:
 
     def _build(self, stage: Stage, alive: Sequence[Mutant]) -> None:
         original = elaboration_hash(stage.target, self.dut, stage.assertions)
-        with temporary() as whole, _threads(self.jobs) as pool:
+        with temporary() as whole, threads(self.jobs) as pool:
             healthy = Model(_ORIGINAL, str(stage.library(self.dut, whole / "original")))
             passed: set[str] = set()
             for start in range(0, len(alive), _AT_A_TIME):
@@ -303,7 +293,7 @@ class Hunt:
                 there = tuple(replace(test, folder=str(place)) for test in tests)
                 trials.append(Trials(there, tuple(share), place))
         try:
-            with _threads(self.jobs) as pool:
+            with threads(self.jobs) as pool:
                 list(pool.map(self._run, trials))
         finally:
             verdicts += [verdict for done in trials for verdict in done.verdicts()]
@@ -313,16 +303,17 @@ class Hunt:
             run_trials(trials)
 
     def _ask_wrapper(self, stage: Stage, models: Sequence[Model]) -> None:
-        with ProcessPoolExecutor(self.jobs, multiprocessing.get_context("spawn")) as processes:
-            width = stage.target.configuration.width
-            answers = [
-                processes.submit(first_wrong, self.seed, width, Path(model.library), model.selected)
-                for model in models
-            ]
-            for model, answer in zip(models, answers, strict=True):
-                if pairs := answer.result():
+        width = stage.target.configuration.width
+        asked = [(self.seed, width, Path(model.library), model.selected) for model in models]
+        with closing(results_in_processes(_first_wrong, asked, self.jobs)) as answers:
+            for model, pairs in zip(models, answers, strict=True):
+                if pairs:
                     killed = Killed("check_detector", stage.target.name, "wrong answer", pairs)
                     self._notice(model.name, killed, stage)
+
+
+def _first_wrong(asked: tuple[int, int, Path, int]) -> int | None:
+    return first_wrong(*asked)
 
 
 def _first_line(message: str) -> str:

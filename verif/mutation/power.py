@@ -7,7 +7,6 @@ by one. What no test of these notices is left to other models, to volume and to 
 
 import time
 from collections.abc import Callable, Iterable, Mapping
-from concurrent.futures import ThreadPoolExecutor
 from contextlib import suppress
 from dataclasses import asdict, dataclass, replace
 from datetime import UTC, datetime
@@ -17,6 +16,7 @@ from tempfile import mkdtemp
 from zlib import crc32
 
 from triaxis.golden.errors import InputError
+from triaxis.golden.processes import threads
 from triaxis.sim.evidence import write_evidence
 from triaxis.sim.paths import DUT
 from triaxis.sim.validity import Provenance, provenance
@@ -161,7 +161,7 @@ def _of_model(
             progress(1)
             return trials.verdicts()
 
-        with ThreadPoolExecutor(jobs) as pool:
+        with threads(jobs) as pool:
             verdicts = dict(
                 zip((test.test for test in tests), pool.map(meet, range(len(tests))), strict=True)
             )

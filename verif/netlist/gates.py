@@ -11,7 +11,7 @@ from pathlib import Path
 from triaxis.fpga.resources import synthesise
 from triaxis.golden.errors import InputError
 from triaxis.golden.input_file import read_input
-from triaxis.sim.build import built, content_hash
+from triaxis.sim.build import built
 from triaxis.sim.paths import BUILD, board_sources, mesh_sources, rtl_sources
 from triaxis.sim.programs import yosys_version
 from triaxis.sim.verilate import MANY, Build, library
@@ -95,8 +95,7 @@ def simulated_cells() -> Path:
             )
         (partial / models.name).write_text(text, encoding="utf-8")
 
-    key = content_hash([models, _BLOCK_RAM])
-    return built(FOLDER / f"cells-{key[:12]}", make) / models.name
+    return built(FOLDER / "cells", [models, _BLOCK_RAM], (), make) / models.name
 
 
 def _control(build: Build) -> list[Path]:
@@ -111,15 +110,13 @@ def synthesised(build: Build) -> Path:
     # What the player looks at.
     control = "".join(path.read_text(encoding="utf-8") for path in _control(build))
     kept = re.findall(r'-var "(\w+)"', control)
-    key = content_hash(
-        [*sources, build.dut / "core" / "triaxis_stage.svh"], yosys_version(), repr(kept),
-        repr(sorted(build.parameters.items())),
-    )  # fmt: skip
+    files = [*sources, build.dut / "core" / "triaxis_stage.svh"]
+    settings = (yosys_version(), repr(kept), repr(sorted(build.parameters.items())))
 
     def make(partial: Path) -> None:
         synthesise(sources, build.dut / "core", build.top, build.parameters, partial, kept)
 
-    return built(FOLDER / "synthesis" / f"{build.name}-{key[:12]}", make) / "netlist.v"
+    return built(FOLDER / "synthesis" / build.name, files, settings, make) / "netlist.v"
 
 
 def models_of(netlist: Path, models: Path) -> list[Path]:

@@ -2,11 +2,12 @@
 
 import time
 from collections.abc import Callable, Mapping
-from concurrent.futures import ThreadPoolExecutor, as_completed
+from concurrent.futures import as_completed
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
 
 from triaxis.golden.outputs import make_folder
+from triaxis.golden.processes import threads
 from triaxis.sim.board_parameters import is_board_configuration
 from triaxis.sim.evidence import write_evidence
 from triaxis.sim.paths import DUT
@@ -129,16 +130,13 @@ def check_all(seed: int, progress: Callable[[int], None], jobs: int = 2) -> Netl
     modules = FOLDER / "modules"
     make_folder(modules)
     before, start = validity(SOURCES), time.monotonic()
-    pool = ThreadPoolExecutor(jobs)
-    try:
+    with threads(jobs) as pool:
         # What takes longest first.
         running = [pool.submit(run_on_gates, scope, seed) for scope in reversed(SCOPES)]
         proving = [pool.submit(outcome_of, proof, DUT, modules / proof.name) for proof in PROOFS]
         for done in as_completed([*running, *proving]):
             done.result()
             progress(1)
-    finally:
-        pool.shutdown(cancel_futures=True)
     results = [one.result() for one in reversed(running)]
     return NetlistResult(
         tuple(map(gate_run, SCOPES, results)), tuple(one.result() for one in proving), seed,

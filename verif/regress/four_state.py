@@ -8,11 +8,11 @@ import json
 import os
 import time
 from collections.abc import Callable, Sequence
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from triaxis.golden.processes import threads
 from triaxis.sim.evidence import write_evidence
 from triaxis.sim.paths import BUILD, DUT
 from triaxis.sim.programs import yosys_version
@@ -138,7 +138,7 @@ def run_four_state(
     # One of each first: what is not installed, or does not compile, is one error.
     for settings in {settings.config: settings for settings in chosen}.values():
         build_for(settings, dut)
-    with ThreadPoolExecutor(_JOBS) as pool:
+    with threads(_JOBS) as pool:
         results = tuple(pool.map(one, chosen))
     return FourStateResult(results, before, time.monotonic() - start)
 

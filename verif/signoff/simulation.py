@@ -4,7 +4,6 @@ import os
 import time
 from collections import defaultdict
 from collections.abc import Callable, Sequence
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import asdict, dataclass
 from functools import cached_property, partial
 from pathlib import Path
@@ -14,6 +13,7 @@ from triaxis.coverage.report import ModelReport
 from triaxis.coverage.waiver_upkeep import exclusion_records
 from triaxis.golden.axes import NUM_AXES
 from triaxis.golden.pairs import NO_AXIS
+from triaxis.golden.processes import threads
 from triaxis.sim.core_engine import configuration_for
 from triaxis.sim.models import core_build
 from triaxis.sim.validity import Sources, Validity, validity
@@ -204,21 +204,16 @@ def simulate(seed: int, progress: Callable[[int], None], volume: int = VOLUME) -
         progress(1)
         return answer
 
-    with ThreadPoolExecutor(_JOBS) as pool:
+    with threads(_JOBS) as pool:
         built = [pool.submit(counted, build) for build in builds]
         results = [pool.submit(counted, partial(run_and_explain, settings)) for settings in runs]
-        try:
-            # Here, in the main thread: PPL handles interrupts, which works in no other.
-            made = counted(partial(check_scenes, FOLDER / "scenes"))
-            real = counted(partial(check_real_meshes, FOLDER / "scenes"))
-            detector = counted(partial(check_detector, seed))
-            solvers = counted(partial(check_solvers, seed))
-            for future in (*built, *results):
-                future.result()
-        except BaseException:
-            # An error or an interrupt: start nothing more.
-            pool.shutdown(wait=False, cancel_futures=True)
-            raise
+        # Here, in the main thread: PPL handles interrupts, which works in no other.
+        made = counted(partial(check_scenes, FOLDER / "scenes"))
+        real = counted(partial(check_real_meshes, FOLDER / "scenes"))
+        detector = counted(partial(check_detector, seed))
+        solvers = counted(partial(check_solvers, seed))
+        for future in (*built, *results):
+            future.result()
     ran = [future.result() for future in results]
     passed = [(result.settings.config, Path(result.settings.folder)) for result in ran if result.passed]
     seconds = time.monotonic() - start

@@ -7,7 +7,7 @@
 // told as an error, once, and nothing begins before the line was high again.
 
 module triaxis_uart_rx_formal #(
-    parameter int unsigned ClocksPerBit = 50
+    parameter int unsigned ClocksPerBit = 25
 ) (
     input logic clk_i,
     input logic rst_ni,
