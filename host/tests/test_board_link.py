@@ -7,6 +7,7 @@ import threading
 import time
 from pathlib import Path
 from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -352,10 +353,11 @@ def test_an_interrupted_hold_stops_at_once(top, board_check, boxes, capsys, monk
 
 
 def test_the_end_of_a_hold_is_told_before_an_answer_is_waited_for():
-    told = []
-    board = SimpleNamespace(still=interrupt, stop=lambda: told.append("stop"))
+    told: list[str] = []
+    board: Any = SimpleNamespace(still=interrupt, stop=lambda: told.append("stop"))
+    status: Any = None
     with pytest.raises(KeyboardInterrupt):
-        engine_module.hold(board, None, lambda: told.append("unknown"))
+        engine_module.hold(board, status, lambda: told.append("unknown"))
     assert told == ["stop", "unknown"]
 
 
