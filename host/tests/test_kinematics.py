@@ -1,6 +1,5 @@
 """Machines of objects: what carries and moves what, and what comes near what while a program runs."""
 
-import json
 import shutil
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
@@ -31,48 +30,18 @@ from triaxis.host.quantise import NOWHERE, vector
 from triaxis.host.scene import bulk_near, near_facets
 from triaxis.host.scenes import mesh_data
 from triaxis.host.stl import StlMesh, read_stl
+from triaxis.host.tests.machines import HEAD, MILL, TOOL, carriers, entry, write_meshes
 from triaxis.host.tests.published import read_published
 
 LETTERS = "XYZABC"
-HEAD = 'rapids = "straight"\nloaded = 1\n[offsets]\nG54 = [0.0, 0.0, -250.0]\n'
-TOOL = '[[tools]]\nnumber = 1\nlength = {}\nmesh = "tool.stl"\n'
-
-
-def entry(name, on=None, axis=None, pivot=None, mesh=None, at=None, may_touch=None):
-    """Return an object of a machine file."""
-    values = {"on": on, "axis": axis, "pivot": pivot, "mesh": mesh, "at": at, "may_touch": may_touch}
-    lines = [f"{key} = {json.dumps(value)}" for key, value in values.items() if value is not None]
-    return "\n".join(("[[objects]]", f'name = "{name}"', *lines, ""))
-
-
-def carriers(spindle, workpiece, nose=(0.0, 0.0, 0.0)):
-    """Return what carries tool and workpiece."""
-    return f'[spindle]\non = "{spindle}"\nnose = {list(nose)}\n[workpiece]\non = "{workpiece}"\n'
-
-
-# A table on a slide on a saddle, which may turn, and a post beside it; a head above.
-MILL = (
-    HEAD
-    + TOOL.format(50)
-    + entry("bed", mesh="post.stl")
-    + entry("saddle", axis="-Y")
-    + entry("slide", "saddle", "-X")
-    + entry("table", "slide", "C", [0.0, 0.0, 0.0], "table.stl")
-    + entry("head", axis="Z", mesh="head.stl", at=[0.0, 0.0, 250.0])
-    + carriers("head", "table", (0.0, 0.0, 250.0))
-)
 
 
 @pytest.fixture
 def checked(tmp_path, capsys):
     """Return a function that checks a program on a machine, and gives what it said."""
-    meshes = {
-        "tool": scenes.box((-3, -3, 0), (3, 3, 50)), "table": scenes.box((-50, -50, -10), (50, 50, 0)),
-        "post": scenes.box((60, -5, -30), (70, 5, 60)), "head": scenes.box((-40, -40, 0), (65, 40, 60)),
-        "work": scenes.box((-20, -20, 0), (20, 20, 20)), "stock": scenes.box((-15, -15, 20.5), (15, 15, 40)),
-    }  # fmt: skip
-    for name, mesh in meshes.items():
-        scenes.write_stl(tmp_path / f"{name}.stl", mesh)
+    write_meshes(tmp_path)
+    scenes.write_stl(tmp_path / "work.stl", scenes.box((-20, -20, 0), (20, 20, 20)))
+    scenes.write_stl(tmp_path / "stock.stl", scenes.box((-15, -15, 20.5), (15, 15, 40)))
 
     def run(machine, program, *words, start=("0", "0", "100")):
         (tmp_path / "m.toml").write_text(machine)

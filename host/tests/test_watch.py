@@ -22,6 +22,7 @@ from triaxis.host.link.board_engine import BoardEngine
 from triaxis.host.motion.follow import DisagreementError
 from triaxis.host.motion.operations import Operation
 from triaxis.host.quantise import NOWHERE
+from triaxis.host.tests.machines import MILL, STRAIGHT_MILL, write_meshes
 from triaxis.host.tests.published import read_published
 from triaxis.host.tests.test_follow import (
     FLOOR,
@@ -165,53 +166,17 @@ def test_tools_are_followed_one_after_the_other(top, tmp_path, capsys, monkeypat
     assert top.stop
 
 
-OBJECTS = """rapids = "straight"
-loaded = 1
-[offsets]
-G54 = [0.0, 0.0, -250.0]
-[[tools]]
-number = 1
-length = 50
-mesh = "tool.stl"
-[[objects]]
-name = "bed"
-mesh = "post.stl"
-[[objects]]
-name = "saddle"
-axis = "-Y"
-[[objects]]
-name = "table"
-on = "saddle"
-axis = "-X"
-mesh = "table.stl"
-[[objects]]
-name = "head"
-axis = "Z"
-mesh = "head.stl"
-at = [0.0, 0.0, 250.0]
-[spindle]
-on = "head"
-nose = [0.0, 0.0, 250.0]
-[workpiece]
-on = "table"
-"""
-
-
 @pytest.mark.long
 @pytest.mark.simulator
 def test_objects_are_on_the_board_or_shown_clear_before(top, tmp_path, capsys, monkeypatch):
     machine, work, program, report = (tmp_path / name for name in ("m.toml", "w.stl", "p.nc", "r.json"))
-    for name, corners in {
-        "tool": ((-3, -3, 0), (3, 3, 50)), "table": ((-50, -50, -10), (50, 50, 0)),
-        "post": ((60, -5, -30), (70, 5, 60)), "head": ((-40, -40, 0), (65, 40, 60)),
-        "w": ((-20, -20, 0), (-10, 20, 70)),
-    }.items():  # fmt: skip
-        scenes.write_stl(tmp_path / f"{name}.stl", scenes.box(*corners))
+    write_meshes(tmp_path)
+    scenes.write_stl(tmp_path / "w.stl", scenes.box((-20, -20, 0), (-10, 20, 70)))
     ticks = count()
     monkeypatch.setattr(watch_module, "time", SimpleNamespace(monotonic=lambda: next(ticks) / 400))
     with ServedBoard(top, Wire()) as served:
 
-        def run(lines, text=OBJECTS, words=()):
+        def run(lines, text=STRAIGHT_MILL, words=()):
             machine.write_text(text)
             program.write_text(f"G21 G90 G61 G43 H1 F1000\n{lines}\n")
             arguments = [str(machine), str(work), str(program), "--port", served.path, "--simulate"]
@@ -242,7 +207,7 @@ def test_objects_are_on_the_board_or_shown_clear_before(top, tmp_path, capsys, m
             assert (status, zone["within"], zone["lines"]) == (0, 3, within), said
             assert zone["pieces"] == len(within) == said.out.count("zone: slow, line 4")
         # What may touch something on the board is looked at beside it, against all else.
-        touching = OBJECTS.replace("[spindle]", 'may_touch = ["workpiece"]\n[spindle]')
+        touching = STRAIGHT_MILL.replace("[spindle]", 'may_touch = ["workpiece"]\n[spindle]')
         for lines, near in (("G0 Z30\nG1 Z20.4", None), ("G0 Z60\nX60\nZ10.4", (4, "the bed", "the head"))):
             status, found, said = run(lines, touching)
             assert (status, found) == (int(near is not None), near or (None, None, None)), said
@@ -256,24 +221,15 @@ def test_objects_are_on_the_board_or_shown_clear_before(top, tmp_path, capsys, m
     assert top.stop
 
 
-TURNING = OBJECTS.replace("loaded = 1", "loaded = 1\nturn_tolerance = 0.01").replace(
-    'name = "table"\non = "saddle"\naxis = "-X"',
-    'name = "slide"\non = "saddle"\naxis = "-X"\n[[objects]]\nname = "table"\non = "slide"\naxis = "C"\n'
-    "pivot = [0.0, 0.0, 0.0]",
-)
-OBJECTS_WITHOUT = TURNING.replace("turn_tolerance = 0.01", "")
+TURNING = MILL.replace("loaded = 1", "loaded = 1\nturn_tolerance = 0.01")
 
 
 @pytest.mark.long
 @pytest.mark.simulator
 def test_between_turns_a_machine_is_followed_by_what_stands_then(top, tmp_path, capsys, monkeypatch):
     machine, work, program, report = (tmp_path / name for name in ("m.toml", "w.stl", "p.nc", "r.json"))
-    for name, corners in {
-        "tool": ((-3, -3, 0), (3, 3, 50)), "table": ((-50, -50, -10), (50, 50, 0)),
-        "post": ((60, -5, -30), (70, 5, 60)), "head": ((-40, -40, 0), (40, 40, 60)),
-        "w": ((-20, -20, 0), (-10, 20, 70)),
-    }.items():  # fmt: skip
-        scenes.write_stl(tmp_path / f"{name}.stl", scenes.box(*corners))
+    write_meshes(tmp_path)
+    scenes.write_stl(tmp_path / "w.stl", scenes.box((-20, -20, 0), (-10, 20, 70)))
     ticks, places = count(), tmp_path / "positions"
     monkeypatch.setattr(watch_module, "time", SimpleNamespace(monotonic=lambda: next(ticks) / 400))
     went = list[float | str]()
@@ -379,7 +335,7 @@ def test_between_turns_a_machine_is_followed_by_what_stands_then(top, tmp_path, 
             ("G0 Z30\nT2 M6 G43 H2\nC90\nT1 M6 G43 H1\nC0\nX5", "line 7: the same tool and angles", two),
             ("G0 Z30\nT1 M6\nX5", "line 4: the same tool and angles", two),
             ("G0 Z30\nT2 M6\nT1 M6\nX5", "line 5: the same tool and angles", two),
-            ("G0 X1", "turn_tolerance: say by how many degrees C may be off", OBJECTS_WITHOUT),
+            ("G0 X1", "turn_tolerance: say by how many degrees C may be off", MILL),
         ):
             status, _, said = run(lines, text=text)
             assert status == 2 and what in said.err, said
