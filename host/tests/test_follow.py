@@ -85,6 +85,18 @@ def cut(scene):
     return pieces(scene, scene_engine(BULK, scene.a, scene.b, scene.grid.width), Fraction(4), Fraction(20))
 
 
+def with_slack(scene, slack):
+    moves = tuple(replace(move, slack=slack) for move in scene.program.moves)
+    return replace(scene, program=replace(scene.program, moves=moves))
+
+
+def following(scene, found, ends=True):
+    """Return a follower that may go all the way."""
+    follower = Follower(scene, found, SPEED, LAG, ends=ends)
+    follower.permitted = len(found)
+    return follower
+
+
 def ways(move, rng):
     """Return places of a move in its order, by one of the ways that it may take."""
     parts = [Fraction(k, 40) for k in range(41)]
@@ -112,8 +124,7 @@ def test_every_place_of_the_path_is_in_a_piece_and_they_come_in_order(program, r
     # Of the short moves two are one piece.
     assert sum(piece.line in (6, 7, 8) for piece in found) == 2
     for _ in range(3):
-        follower = Follower(scene, found, SPEED, LAG)
-        follower.permitted = len(found)
+        follower = following(scene, found)
         assert not follower.at_the_end
         looks = ((move, place) for move in scene.program.moves for place in ways(move, rng))
         for second, (move, place) in enumerate(looks):
@@ -137,11 +148,9 @@ def test_every_place_of_the_path_is_in_a_piece_and_they_come_in_order(program, r
 def test_a_path_ends_where_it_ends_and_not_where_it_passes_over_that(lines, tmp_path):
     path = tmp_path / "program.nc"
     path.write_text(f"G21 G90 G61\n{lines}\n")
-    scene = scene_of(path)
-    moves = tuple(replace(move, slack=Fraction(1, 100)) for move in scene.program.moves)
-    scene = replace(scene, program=replace(scene.program, moves=moves))
-    follower = Follower(scene, cut(scene), SPEED, LAG)
-    follower.permitted = len(follower.pieces)
+    scene = with_slack(scene_of(path), Fraction(1, 100))
+    follower = following(scene, cut(scene))
+    moves = scene.program.moves
     counts = [160 * move.curve.turns if move.curve else 40 for move in moves]
     looks = [move.at(Fraction(k, n)) for move, n in zip(moves, counts, strict=True) for k in range(n)]
     seconds = 0.0
@@ -158,11 +167,8 @@ def test_a_part_is_over_when_the_tool_stands_at_its_end(tmp_path):
     """And not as soon as it is as near to that as positions may be off."""
     path = tmp_path / "program.nc"
     path.write_text("G21 G90 G61\nG1 Z30 F600\n")
-    scene = scene_of(path)
-    moves = tuple(replace(move, slack=Fraction(1, 2)) for move in scene.program.moves)
-    scene = replace(scene, program=replace(scene.program, moves=moves))
-    follower = Follower(scene, cut(scene), SPEED, LAG, ends=False)
-    follower.permitted = len(follower.pieces)
+    scene = with_slack(scene_of(path), Fraction(1, 2))
+    follower = following(scene, cut(scene), ends=False)
     over = []
     for number in range(130):
         # By 10 mm/s, a look each 10 ms.
@@ -203,8 +209,7 @@ def test_a_tool_that_is_off_its_path_is_stopped_at_once(program, rng):
         apart += [
             np.abs(curve - place).max(1).min() for curve, fast in zip(curves, rapid, strict=True) if not fast
         ]
-        follower = Follower(scene, found, SPEED, LAG)
-        follower.permitted = len(found)
+        follower = following(scene, found)
         # Of a move of 40 mm the next of the 201 places is at most so far.
         if min(apart) > float(SLACK) + 0.2:
             with pytest.raises(StrayedError, match="where it is not permitted to be now"):
@@ -216,8 +221,7 @@ def test_a_tool_that_is_off_its_path_is_stopped_at_once(program, rng):
 def test_a_tool_that_comes_sooner_than_it_can_is_stopped(program):
     """As one does whose positions are those of a place where it stands no more: holds rest on its speed."""
     scene = scene_of(program)
-    follower = Follower(scene, cut(scene), SPEED, LAG)
-    follower.permitted = len(follower.pieces)
+    follower = following(scene, cut(scene))
     start, end = scene.program.moves[0].start, scene.program.moves[0].end
     way = max(abs(a - b) for a, b in zip(start, end, strict=True))
     assert follower.is_at_start(start) and not follower.is_at_start(end)
@@ -227,8 +231,7 @@ def test_a_tool_that_comes_sooner_than_it_can_is_stopped(program):
         follower.moved(end, 1.0 + float(soonest - 2 * SLACK / SPEED) - 0.001)
     follower.moved(end, 1.0 + float(soonest))
     # Twice as fast, by steps each of which a lag would allow.
-    hurried = Follower(scene, cut(scene), SPEED, LAG)
-    hurried.permitted = len(hurried.pieces)
+    hurried = following(scene, cut(scene))
     with pytest.raises(StrayedError, match="faster than --speed"):
         for number in range(41):
             seconds = float(way / SPEED) * number / 80
@@ -261,11 +264,8 @@ def test_a_simulated_tool_is_as_fast_as_it_may_be_on_a_long_move(tmp_path):
 def test_a_tool_is_held_against_lines_and_arcs_exactly(tmp_path, place, strays):
     path = tmp_path / "program.nc"
     path.write_text("G21 G90 G61\nG1 X40 Y40 F1000\nG2 X80 Y40 R25\nG1 X90 Y40")
-    scene = scene_of(path)
-    moves = tuple(replace(move, slack=Fraction(1, 100)) for move in scene.program.moves)
-    scene = replace(scene, program=replace(scene.program, moves=moves))
-    follower = Follower(scene, cut(scene), SPEED, LAG)
-    follower.permitted = len(follower.pieces)
+    scene = with_slack(scene_of(path), Fraction(1, 100))
+    follower = following(scene, cut(scene))
     with pytest.raises(StrayedError) if strays else nullcontext():
         follower.moved(vector(Fraction(str(c)) for c in place))
 
