@@ -96,7 +96,7 @@ def other_rtl(waiver: Waiver, code: Mapping[str, str]) -> str | None:
     """
     if unknown := sorted({*waiver.rests_on} - {"*"} - code.keys()):
         return f"{', '.join(unknown)}: no such module: correct its name"
-    if waiver.reviewed == waiver.rtl_hash(code):
+    if waiver.reviewed == waiver.hashes(code):
         return None
     return "its modules changed: read its reason again, then `triaxis coverage code --confirm-waivers`"
 

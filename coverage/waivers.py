@@ -9,8 +9,7 @@ Fields of a waiver (coverage/waivers.toml):
 
     category    why such bins exist at all: one of CATEGORIES
     reason      the proof
-    owner       who answers for it
-    reviewed    the hash of the modules' RTL that the proof was read against, see `module_hash`
+    owner       who answers for it (dut)
     rests_on    names of modules that the proof speaks of, where they are others (modules)
     kind        line, branch, expression, toggle, fsm, antecedent, generate
     modules     names of modules
@@ -29,6 +28,9 @@ In a pattern ``*`` stands for anything, ``{name}`` for a number that expressions
 name. Expressions know the parameters of the instance and of all around it, and of the top: W, M,
 L = 2^W - 1 and margin = 2^M - 1, the largest.
 
+A table ``reviewed`` holds the hash of each module that they speak of, as it was when their proofs were read
+against it last, see `module_hash`.
+
 Expressions are whole-number arithmetic. Operators: + - * // % ** << >>, comparisons (1 or 0), and, or, not,
 parentheses. Nothing else: no calls, no attributes, no real numbers.
 """
@@ -37,7 +39,7 @@ import ast
 import hashlib
 import re
 import tomllib
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import cache
 from pathlib import Path
@@ -103,10 +105,12 @@ CATEGORIES = {
     "elaboration guard": "a block that refuses parameters, so that no build has it",
 }
 KINDS = ("line", "branch", "expression", "toggle", "fsm", "antecedent", "generate")
-_REQUIRED = ("category", "reason", "owner", "reviewed", "kind", "modules")
+_REQUIRED = ("category", "reason", "kind", "modules")
 _INCLUDED = re.compile(r'^\s*`include\s+"([^"]+)"', re.MULTILINE)
 _COMMENTS = re.compile(r"//[^\n]*|/\*.*?\*/", re.DOTALL)
 _SHORTEST_REASON = 20
+# The table, to the next one or the end.
+_REVIEWED = re.compile(r"^\[reviewed\]\n(?:[^\[].*\n|\n)*", re.MULTILINE)
 
 
 @cache
@@ -136,16 +140,15 @@ def fit(patterns: tuple[str, ...], text: str) -> dict[str, int] | None:
 class Waiver:
     """One waiver; see the module's docstring. ``number`` counts from 1 in the file.
 
-    ``values`` is the field ``range`` of the file.
+    ``values`` is the field ``range`` of the file; ``reviewed`` has the modules that the proof speaks of.
     """
 
     number: int
     category: str
     reason: str
-    owner: str
-    reviewed: str
     kind: str
     modules: tuple[str, ...]
+    owner: str = "dut"
     instances: tuple[str, ...] = ("*",)
     models: tuple[str, ...] = ("*",)
     where: str = "1"
@@ -157,10 +160,11 @@ class Waiver:
     bits: tuple[str, ...] = ()
     step: str = "1"
     rests_on: tuple[str, ...] = ()
+    reviewed: Mapping[str, str] = field(default_factory=dict)
 
-    def rtl_hash(self, code: Mapping[str, str]) -> str:
-        """Return the hash of what the proof speaks of, in the RTL as `module_code` gives it."""
-        return module_hash(self.rests_on or self.modules, code)
+    def hashes(self, code: Mapping[str, str]) -> dict[str, str]:
+        """Return the hash of each module that the proof speaks of, in the RTL as `module_code` gives it."""
+        return {name: module_hash(name, code) for name in self.rests_on or self.modules}
 
     @property
     def name(self) -> str:
@@ -242,14 +246,14 @@ def _named(value: Any) -> dict[str, str]:
 
 
 _READERS = {
-    **dict.fromkeys(("category", "reason", "owner", "reviewed", "kind", "where", "step"), _text),
+    **dict.fromkeys(("category", "reason", "owner", "kind", "where", "step"), _text),
     **dict.fromkeys(("modules", "instances", "models", "what", "at", "signals", "bits", "rests_on"), _texts),
     "range": _bounds,
     "let": _named,
 }
 
 
-def _waiver(number: int, entry: Any, path: Path) -> Waiver:
+def _waiver(number: int, entry: Any, reviewed: Mapping[str, str], path: Path) -> Waiver:
     place = f"{path}: waiver {number}"
     if not isinstance(entry, dict):
         raise InputError(f"{place}: must be a table")
@@ -273,7 +277,9 @@ def _waiver(number: int, entry: Any, path: Path) -> Waiver:
     _check_subject(fields, place)
     if "range" in fields:
         fields["values"] = fields.pop("range")
-    return Waiver(number, **fields)
+    spoken_of = fields.get("rests_on") or fields["modules"]
+    known = {name: reviewed[name] for name in spoken_of if name in reviewed}
+    return Waiver(number, **fields, reviewed=known)
 
 
 def _check_subject(fields: dict[str, Any], place: str) -> None:
@@ -298,10 +304,9 @@ def module_code(dut: Path = DUT) -> dict[str, str]:
     return found
 
 
-def module_hash(modules: Iterable[str], code: Mapping[str, str]) -> str:
-    """Return a short hash of the RTL of these modules; ``*``: of all."""
-    wanted = set(modules)
-    found = " ".join(text for name, text in code.items() if "*" in wanted or name in wanted)
+def module_hash(module: str, code: Mapping[str, str]) -> str:
+    """Return a short hash of the RTL of a module; ``*``: of all."""
+    found = " ".join(code.values()) if module == "*" else code.get(module, "")
     return hashlib.sha256(found.encode()).hexdigest()[:12]
 
 
@@ -309,10 +314,11 @@ def confirm_waivers(path: Path = WAIVERS, dut: Path = DUT) -> int:
     """Write into the file that the reasons were read against the RTL as it is; return how many changed."""
     waivers = read_waivers(path)
     code = module_code(dut)
-    hashes = [waiver.rtl_hash(code) for waiver in waivers]
-    rest = iter(hashes)
-    line = re.compile(r'^reviewed = ".*"$', re.MULTILINE)
-    write_whole(path, line.sub(lambda _: f'reviewed = "{next(rest)}"', path.read_text(encoding="utf-8")))
+    hashes = [waiver.hashes(code) for waiver in waivers]
+    known = {name: text for one in hashes for name, text in one.items()}
+    lines = [f'"{name}" = "{known[name]}"' for name in sorted(known)]
+    text = _REVIEWED.sub("", path.read_text(encoding="utf-8"))
+    write_whole(path, "\n".join((f"{text.rstrip()}\n", "[reviewed]", *lines, "")))
     return sum(waiver.reviewed != now for waiver, now in zip(waivers, hashes, strict=True))
 
 
@@ -323,8 +329,11 @@ def read_waivers(path: Path = WAIVERS) -> list[Waiver]:
         content = tomllib.loads(data.decode())
     except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
         raise InputError(f"{path}: not TOML: {error}") from error
-    unknown = [name for name in content if name != "waiver"]
-    entries = content.get("waiver", [])
-    if unknown or not isinstance(entries, list):
-        raise InputError(f"{path}: must hold [[waiver]] tables and nothing else")
-    return [_waiver(number, entry, path) for number, entry in enumerate(entries, 1)]
+    entries, reviewed = content.get("waiver", []), content.get("reviewed", {})
+    if content.keys() - {"waiver", "reviewed"} or not isinstance(entries, list):
+        raise InputError(f"{path}: must hold [[waiver]] tables, one [reviewed], and nothing else")
+    try:
+        hashes = _named(reviewed)
+    except ValueError as error:
+        raise InputError(f"{path}: reviewed: {error}") from error
+    return [_waiver(number, entry, hashes, path) for number, entry in enumerate(entries, 1)]

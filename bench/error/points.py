@@ -20,7 +20,7 @@ import numpy.typing as npt
 
 from triaxis.bench.error.truth import Truth, exact_triangle
 from triaxis.bench.error.workloads import Part, Workload, part_grid
-from triaxis.bench.harness import ROUNDS, best_times, clocked
+from triaxis.bench.harness import ROUNDS, best_times
 from triaxis.bench.peers.peer import Peer
 from triaxis.golden.bulk import bulk_claims, bulk_facts, bulk_verdicts
 from triaxis.golden.certificate import claims_prove_clear
@@ -102,7 +102,6 @@ class CorePoint:
     width: int
     mode: str
     errors: Errors
-    resolutions_mm: tuple[float, ...]
     margin: int
     beyond_band: int
     farthest: float
@@ -169,7 +168,6 @@ def core_point(rounded: OnGrid, truth: Truth, width: int, mode: str) -> CorePoin
         width,
         mode,
         count_errors(near, truth),
-        tuple(float(resolution) for resolution in rounded.resolutions),
         int(margins.max(initial=0)),
         sum(distance > margin + 1 for distance, margin in alarms),
         float(max((distance for distance, _ in alarms), default=0)),
@@ -204,7 +202,7 @@ _GOLDEN_ROUNDS = 3
 
 @dataclass(frozen=True)
 class BulkPoint:
-    """Nanoseconds a pair at one width and margin: of verdicts with axes alone, and of all facts for coverage.
+    """Nanoseconds a pair at one width and margin.
 
     ``clear``: pairs that it calls clear; ``unproven``: those of them whose axis does not separate them by
     `claims_prove_clear`, which shares nothing with it. ``differs``: pairs on which the two disagree.
@@ -213,7 +211,6 @@ class BulkPoint:
     width: int
     mode: str
     claims_ns: float
-    facts_ns: float
     clear: int
     unproven: int
     differs: int
@@ -223,14 +220,13 @@ def bulk_point(rounded: OnGrid, width: int, mode: str) -> BulkPoint:
     """Return the bulk checker's times on a workload, and whether its axes prove what they claim."""
     pairs = np.ascontiguousarray(rounded.pairs, np.int32)
     margins = margins_of(rounded, mode).astype(np.uint32)
-    claims_s, facts_s = best_times([lambda: bulk_claims(pairs, margins), lambda: bulk_facts(pairs, margins)])
+    (seconds,) = best_times([lambda: bulk_claims(pairs, margins)])
     claims = bulk_claims(pairs, margins)
     clear = claims != NO_AXIS
     proven = claims_prove_clear(pairs[clear], margins[clear], claims[clear])
-    each = 1e9 / len(pairs)
     differs = int((claims != bulk_facts(pairs, margins).claim).sum())
     unproven = int((~proven).sum())
-    return BulkPoint(width, mode, claims_s * each, facts_s * each, int(clear.sum()), unproven, differs)
+    return BulkPoint(width, mode, seconds * 1e9 / len(pairs), int(clear.sum()), unproven, differs)
 
 
 def golden_ns(workload: Workload) -> float:
@@ -253,7 +249,7 @@ _FAR = 2.0**20
 
 @dataclass(frozen=True)
 class PeerPoint:
-    """Errors, and nanoseconds a pair: of the whole run, of calls alone, and to make the package's objects.
+    """Errors, and nanoseconds a pair: of the whole run, and of calls alone.
 
     ``name``, ``version`` and ``call`` are the peer's. ``bulk_ns``: the bulk checker's, in collision mode on
     the finest grid, on the same pairs in the same rounds. ``noise_ns``: by how much the bests of the first
@@ -267,7 +263,6 @@ class PeerPoint:
     errors: Errors
     run_ns: float
     overhead_ns: float
-    load_ns: float
     bulk_ns: float
     noise_ns: float
 
@@ -291,7 +286,6 @@ def peer_point(peer: Peer, version: str, workload: Workload, finest: OnGrid, tru
     """Return a peer's errors and times on a workload; ``finest``: the same pairs on the finest grid."""
     # As most packages take them: the same numbers.
     a, b = workload.a.astype(np.float64), workload.b.astype(np.float64)
-    question, load = clocked(lambda: peer.load(a, b))
     chosen = spread_rows(len(a), TIMED)
     run = peer.load(a[chosen], b[chosen])
     # A batch has one call for all of its pairs.
@@ -305,10 +299,9 @@ def peer_point(peer: Peer, version: str, workload: Workload, finest: OnGrid, tru
         peer.distribution,
         version,
         peer.call,
-        count_errors(question.ask(), truth),
+        count_errors(peer.load(a, b).ask(), truth),
         run_ns,
         calls_ns,
-        load * 1e9 / len(a),
         bulk_ns,
         float(np.ptp(halves, axis=0)[:2].max()),
     )

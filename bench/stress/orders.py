@@ -47,15 +47,14 @@ METHODS = tuple(
 class OrderErrors(Summed):
     """Of the answers on N pairs in all orders: how many there are, and how many of them are wrong.
 
-    misses: "clear" of a near pair; false_alarms: "near" of a clear one. pairs: N; wrong_pairs: pairs that
-    are answered wrong in some order; changing_pairs: pairs whose answer is not the same in all orders.
+    misses: "clear" of a near pair; false_alarms: "near" of a clear one. pairs: N; changing_pairs: pairs whose
+    answer is not the same in all orders.
     """
 
     answers: int
     misses: int
     false_alarms: int
     pairs: int
-    wrong_pairs: int
     changing_pairs: int
 
     @property
@@ -82,7 +81,6 @@ def errors(answers: Answers, near: Mask) -> OrderErrors:
         int((wrong & near).sum()),
         int((wrong & ~near).sum()),
         len(near),
-        int(wrong.any(0).sum()),
         int((some & ~answers.all(0)).sum()),
     )
 

@@ -83,12 +83,12 @@ def test_a_sample_runs_through_the_rtl(asked):
 
 
 def core(width, mode, errors, **changes):
-    point = CorePoint(width, mode, errors, (0.5,), int(mode == NO_MISS), 0, 0.5, 100, 0, 1.0, False)
+    point = CorePoint(width, mode, errors, int(mode == NO_MISS), 0, 0.5, 100, 0, 1.0, False)
     return replace(point, **changes)
 
 
 def peer(name="CGAL, C++", distribution="libcgal-dev", run=130.0, call=10.0, bulk=40.0):
-    return PeerPoint(name, distribution, "1", "call", Errors(100, 40, 4, 0), run, call, 50.0, bulk, 2.0)
+    return PeerPoint(name, distribution, "1", "call", Errors(100, 40, 4, 0), run, call, bulk, 2.0)
 
 
 @pytest.fixture(scope="module")
@@ -98,7 +98,7 @@ def measured():
     shares = {COLLISION: Errors(100, 40, 3, 2), NO_MISS: Errors(100, 40, 0, 9)}
     core_points = [core(width, mode, shares[mode]) for width in WIDTHS for mode in MODES]
     core_points[-2] = core(WIDTHS[-1], COLLISION, Errors(100, 40, 0, 0), unchanged=True)
-    bulk = [BulkPoint(width, mode, 40.0, 200.0, 60, 0, 0) for width in WIDTHS for mode in MODES]
+    bulk = [BulkPoint(width, mode, 40.0, 60, 0, 0) for width in WIDTHS for mode in MODES]
     result = WorkloadResult(workload, 40, core_points, bulk, 2e5, [peer(), peer("VTK", "vtk")])
     dsps = {(width, mode): 100 for width in WIDTHS for mode in MODES}
     return Measured(1, False, dsps, [result], {"coal": "coal: not installed"}, 0)

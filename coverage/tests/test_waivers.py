@@ -43,20 +43,18 @@ modules = ["m"]
 signals = ["s[{k}]"]
 range = ["0", "2**W - 1 - k"]
 reason = "A reason that is long enough to be one."
-owner = "dut"
-reviewed = "0123456789ab"
 """
 
 
 def waiver(low, high, step="1", where="1"):
-    given = Waiver(1, "bounded", "because", "dut", "0123456789ab", "toggle", ("m",), signals=("s",))
+    given = Waiver(1, "bounded", "because", "toggle", ("m",), signals=("s",))
     return replace(given, values=(low, high), step=step, where=where)
 
 
 @pytest.mark.parametrize(
     ("old", "new", "said"),
     [
-        ('owner = "dut"', "", "owner is missing"),
+        ('kind = "toggle"', "", "kind is missing"),
         ('"bounded"', '"because"', "category because: one of: constant by contract, .*elaboration guard"),
         ('modules = ["m"]', "modules = []", "modules: must be a list"),
         ("A reason that is long enough to be one.", "known", "say why"),

@@ -27,7 +27,7 @@ from triaxis.golden.errors import InputError
 from triaxis.golden.outputs import make_folder
 from triaxis.golden.processes import results_in_processes, threads
 from triaxis.sim.board_parameters import BoardParameters, parse_board_configuration
-from triaxis.sim.build import built, rtl_hash
+from triaxis.sim.build import built
 from triaxis.sim.configuration import Configuration
 from triaxis.sim.detector import DetectorPlayer
 from triaxis.sim.evidence import write_evidence
@@ -43,7 +43,8 @@ from triaxis.sim.models import (
     mesh_build,
 )
 from triaxis.sim.paths import BUILD, board_sources, certified_sources, mesh_sources, rtl_sources
-from triaxis.sim.validity import Sources
+from triaxis.sim.standing import standing
+from triaxis.sim.validity import Provenance, Sources
 from triaxis.sim.verilate import LIGHT, Build, described, library
 from triaxis.verif.code_coverage.state_machines import covers, state_machines
 from triaxis.verif.core.detector_check import ask_at_random
@@ -108,14 +109,14 @@ class Run:
 class CodeCoverage:
     """All runs, and how they cover the code.
 
-    ``rtl_hash``: of the RTL before the run; ``changed``: it was another after it.
+    ``changed``: what it is valid for was written to during the run.
     """
 
     runs: list[Run]
     assessment: Assessment
     waivers: list[Waiver]
     seconds: float
-    rtl_hash: str
+    valid_for: Provenance
     changed: bool = False
 
     @property
@@ -123,7 +124,7 @@ class CodeCoverage:
         """Return what is wrong, apart from bins that are not covered."""
         wrong = [f"{r.model}: {r.test}: {r.wrong} of {r.checked} wrong" for r in self.runs if r.wrong]
         idle = [f"{r.model}: {r.test}: nothing was checked" for r in self.runs if not r.checked]
-        changed = ["the RTL changed during the run"] if self.changed else []
+        changed = ["the RTL, or its environment, changed during the run"] if self.changed else []
         return [*wrong, *idle, *changed, *self.assessment.problems]
 
     @property
@@ -310,22 +311,22 @@ def measure(
     # Two runs at once would write each other's counters.
     make_folder(COUNTERS)
     with FileLock(COUNTERS / ".lock"):
-        before = rtl_hash()
+        before = standing(SOURCES)
         models = (*boards, *engines, *cores, None)
         runs, assessments = _run_all(models, seed, pairs, read, progress or (lambda _: None))
         together = Assessment()
         for assessment in assessments:
             together.add(assessment)
         whole = conclude(together, generate_blocks([*rtl_sources(), *mesh_sources(), *board_sources()]), read)
-        changed = rtl_hash() != before
-    return CodeCoverage(runs, whole, read, time.perf_counter() - start, before, changed)
+        changed = not before.stands
+    return CodeCoverage(runs, whole, read, time.perf_counter() - start, before.valid_for, changed)
 
 
 def _as_json(total: Total) -> dict[str, int | float | None]:
     return {**asdict(total), "percent": total.percent}
 
 
-def write_json(result: CodeCoverage, seed: int, path: Path = RESULT) -> Path:
+def write_json(result: CodeCoverage, seed: int, path: Path = RESULT, pairs: int = PAIRS) -> Path:
     """Write the result, whole or not at all."""
     assessment = result.assessment
     content = {
@@ -345,8 +346,8 @@ def write_json(result: CodeCoverage, seed: int, path: Path = RESULT) -> Path:
         "waivers": waiver_records(result.waivers, assessment.waived),
         "runs": [{**asdict(run), "seconds": round(run.seconds, 1)} for run in result.runs],
         "seed": seed,
-        "rtl_hash": result.rtl_hash,
+        **asdict(result.valid_for),
         "seconds": round(result.seconds, 1),
-        "command": f"triaxis coverage code --seed {seed}",
+        "command": f"triaxis coverage code --seed {seed}" + (f" --pairs {pairs}" if pairs != PAIRS else ""),
     }
     return write_evidence(path, content, SOURCES)

@@ -27,6 +27,7 @@ from triaxis.host.cli import DONE, NO
 from triaxis.host.cli.arguments import add_seed, positive
 from triaxis.host.cli.terminal import print_list, progress_bar, table
 from triaxis.sim.build import rtl_hash
+from triaxis.sim.evidence import read_evidence
 from triaxis.sim.paths import BUILD, ROOT
 from triaxis.verif.code_coverage.run import COUNTERS, PAIRS, RESULT, STEPS, CodeCoverage, measure, write_json
 from triaxis.verif.regress.coverage_models import model_named
@@ -43,7 +44,6 @@ COVERAGE = FOLDER / "coverage.json"
 _SIGNOFF = "signoff.json"
 _MEASURE = "run `triaxis coverage code`"
 _SIGN_OFF = "run `make signoff`"
-_NEEDED = ("rtl_hash", "passed", "command")
 # Bins that are printed; the JSON file has all.
 _SHOWN = 40
 
@@ -116,7 +116,7 @@ def _code(options: argparse.Namespace) -> int:
         return DONE
     with progress_bar("code coverage", STEPS) as progress:
         result = measure(options.seed, options.pairs, progress=progress)
-    path = write_json(result, options.seed)
+    path = write_json(result, options.seed, pairs=options.pairs)
     _print_code(result)
     print(f"written to {path}")
     return DONE if result.passed else NO
@@ -229,15 +229,11 @@ def _export(options: argparse.Namespace) -> int:
 
 def _evidence(path: Path, here: str, remedy: str) -> dict[str, Any]:
     """Return a stored result; raise InputError where there is none, or it is of another RTL."""
-    if not path.exists():
+    content = read_evidence(path)
+    if content is None:
         raise InputError(f"{path}: no such file: {remedy} first")
-    data = read_input(path)
-    try:
-        content = json.loads(data)
-    except ValueError as error:
-        raise InputError(f"{path}: not readable: {remedy} again") from error
-    if not isinstance(content, dict) or any(key not in content for key in _NEEDED):
-        raise InputError(f"{path}: does not say {', '.join(_NEEDED)}: {remedy} again")
+    if not all(isinstance(content[name], str) for name in ("rtl_hash", "command")):
+        raise InputError(f"{path}: rtl_hash and command must be texts: {remedy} again")
     if content["rtl_hash"] != here:
         raise InputError(
             f"{path}: is of another RTL ({content['rtl_hash'][:12]}, here {here[:12]}): {remedy}"
@@ -251,7 +247,10 @@ def _record(name: str, content: dict[str, Any]) -> TestRecord:
 
 def _measured(here: str) -> _Measured:
     content = _evidence(RESULT, here, _MEASURE)
-    counters = {run["model"]: COUNTERS / f"{run['model']}.dat" for run in content.get("runs", [])}
+    try:
+        counters = {run["model"]: COUNTERS / f"{run['model']}.dat" for run in content["runs"]}
+    except (KeyError, TypeError):
+        counters = {}
     if not counters:
         raise InputError(f"{RESULT}: names no runs: {_MEASURE} again")
     for path in counters.values():
@@ -274,7 +273,10 @@ def _functional(sources: list[Path], here: str) -> tuple[CoverageDatabase, list[
 
 
 def _added_up(files: list[Path]) -> CoverageDatabase:
-    """Return the counts in files together."""
+    """Return the counts in files together; InputError where one is named twice."""
+    counts = Counter(path.resolve() for path in files)
+    if again := [path for path, count in counts.items() if count > 1]:
+        raise InputError(f"{again[0]}: named twice: each run counts once")
     names = dict.fromkeys(name for path in files for name in _model_names(path))
     database = CoverageDatabase(map(model_named, names))
     for path in files:
@@ -286,7 +288,7 @@ def _model_names(path: Path) -> list[str]:
     data = read_input(path)
     try:
         names = [model["model"] for model in json.loads(data)["models"]]
-    except (ValueError, KeyError, TypeError) as error:
+    except (ValueError, KeyError, TypeError, RecursionError) as error:
         raise InputError(f"{path}: not a coverage file: what wrote it has to be run again") from error
     if not names or not all(isinstance(name, str) for name in names):
         raise InputError(f"{path}: counts of no model: what wrote it has to be run again")

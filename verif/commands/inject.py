@@ -26,7 +26,7 @@ from triaxis.verif.mutation.record import SEED, read_record, recorded, write_rec
 from triaxis.verif.mutation.result import Fate, MutationResult, Tally, grouped, tally
 from triaxis.verif.mutation.run import CHANGED, EVIDENCE, mutate
 from triaxis.verif.results.database import keep
-from triaxis.verif.upsets.campaign import CONFIG, UPSETS, by_module, upset_board
+from triaxis.verif.upsets.campaign import CONFIG, UPSETS, by_module, is_whole, upset_board
 from triaxis.verif.upsets.campaign import tally as tally_upsets
 from triaxis.verif.upsets.campaign import write_result as write_upsets
 from triaxis.verif.upsets.verdict import Kind
@@ -158,7 +158,8 @@ def add_upsets(parser: argparse.ArgumentParser) -> None:
     """Invert bits of the board's registers and memories, one at a random clock of each of many talks with
     a host; have some stick, and some registers miss an edge. Count what comes of it: nothing, a stop
     without need, an answer that a host does not believe, or the dangerous: go, or a host that is told
-    clear, where something is near, or where nobody was heard. Writes build/upsets/upsets.json.
+    clear, where something is near, or where nobody was heard. Writes build/upsets/upsets.json, where the
+    board is the small one and its upsets are no fewer.
     """
     parser.add_argument(
         "--upsets", type=positive, default=UPSETS, metavar="N",
@@ -184,8 +185,8 @@ def _upsets(options: argparse.Namespace) -> int:
         left.add_row(measure, str(count))
     Console(width=110).print(left)
     print_list("PROBLEM", result.problems)
-    if result.config != CONFIG:
-        print("another board: no result written")
+    if not is_whole(options.config, options.upsets):
+        print(f"another board than {CONFIG}, or fewer upsets than {UPSETS}: no result written")
     elif not result.problems:
         print(f"written to {write_upsets(result)}, the failure modes and a plot beside it")
     print(f"{'PASSED' if result.passed else 'FAILED'}: {result.summary}, {result.seconds:.0f} s")

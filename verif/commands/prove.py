@@ -118,9 +118,7 @@ def add_netlist(parser: argparse.ArgumentParser) -> None:
         "--cells", type=Path, metavar="PATH",
         help="with --netlist: models of its cells, a file, or a folder with a file for each (yosys's)",
     )  # fmt: skip
-    parser.add_argument(
-        "--config", choices=configs, default=configs[0], help=f"with --netlist: what it is of ({configs[0]})"
-    )
+    parser.add_argument("--config", choices=configs, help=f"with --netlist: what it is of ({configs[0]})")
     parser.add_argument("--jobs", type=positive, default=_JOBS, help=f"proofs at a time ({_JOBS})")
     add_seed(parser)
     parser.set_defaults(run=_netlist)
@@ -129,8 +127,9 @@ def add_netlist(parser: argparse.ArgumentParser) -> None:
 def _netlist(options: argparse.Namespace) -> int:
     if options.netlist:
         return _given_netlist(options)
-    if options.cells:
-        raise InputError("--cells: give --netlist too: yosys's own netlist needs yosys's own cells")
+    if options.cells or options.config:
+        given = "--cells" if options.cells else "--config"
+        raise InputError(f"{given}: give --netlist too: without it all of yosys's own are checked")
     with progress_bar("netlists", len(SCOPES) + len(PROOFS)) as progress:
         result = netlists.check_all(options.seed, progress, options.jobs)
     runs = table("tests on netlists", ("test", "configuration", "pairs", "differences"), text=2)
@@ -155,7 +154,7 @@ def _netlist(options: argparse.Namespace) -> int:
 
 
 def _given_netlist(options: argparse.Namespace) -> int:
-    scope: Scope = next(scope for scope in SCOPES if scope.config == options.config)
+    scope: Scope = next(scope for scope in SCOPES if options.config in (None, scope.config))
     run = netlists.gate_run(scope, run_on_gates(scope, options.seed, options.netlist, options.cells))
     print_list("FAILED:", run.told)
     print(f"{run.config}, {options.netlist}: {run.pairs} pairs, {run.differences} differences")

@@ -2,15 +2,11 @@
 
 import argparse
 import sys
-import time
 from pathlib import Path
-
-from rich.console import Console
-from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 
 from triaxis.golden.errors import InputError
 from triaxis.host.cli import DONE, NO
-from triaxis.host.cli.arguments import add_seed, natural, positive
+from triaxis.host.cli.arguments import add_seed, named_folder, natural, positive
 from triaxis.host.cli.terminal import print_list, progress_bar
 from triaxis.sim.configuration import parse_configuration
 from triaxis.sim.paths import DUT, rtl_sources
@@ -30,7 +26,6 @@ from triaxis.verif.regress.run import FOLDER, Request, regress
 from triaxis.verif.results.database import keep
 
 _SHOWN = 20
-_SECONDS_BETWEEN_LINES = 60.0
 # Seeds multiplied by more than this are a mistake: a regression of months.
 _MOST_SEEDS_MULTIPLIED = 1000
 
@@ -86,7 +81,7 @@ def add_run(parser: argparse.ArgumentParser) -> None:
 
 def _add_folder(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
-        "--folder", type=Path, default=FOLDER, metavar="DIR",
+        "--folder", type=named_folder, default=FOLDER, metavar="DIR",
         help="where all is written; a cluster's nodes must share it (build/regress)",
     )  # fmt: skip
 
@@ -107,27 +102,9 @@ def _request(options: argparse.Namespace) -> Request:
     )
 
 
-class _Progress:
-    """Shows how many runs are done: as a bar on a terminal, elsewhere as a line now and then."""
-
-    def __init__(self, bar: Progress, name: str) -> None:
-        self._bar, self._task = bar, bar.add_task(name, total=None)
-        self._shown, self._at = 0, time.monotonic()
-
-    def __call__(self, total: int, done: int) -> None:
-        self._bar.update(self._task, total=total, completed=done)
-        late = time.monotonic() - self._at > _SECONDS_BETWEEN_LINES
-        if not self._bar.console.is_terminal and late and done > self._shown:
-            print(f"{done} of {total} runs done", flush=True)
-            self._shown, self._at = done, time.monotonic()
-
-
 def _run(options: argparse.Namespace) -> int:
     request = _request(options)
-    console = Console(stderr=True)
-    columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn())
-    with Progress(*columns, console=console, transient=True, disable=not console.is_terminal) as bar:
-        outcome = regress(request, lambda line: print(line, flush=True), _Progress(bar, request.regression))
+    outcome = regress(request, lambda line: print(line, flush=True), progress_bar)
     if request.is_usual:
         keep(outcome.folder / RESULTS)
     _print(outcome)
@@ -201,6 +178,8 @@ def add_shrink(parser: argparse.ArgumentParser) -> None:
 def _shrink(options: argparse.Namespace) -> int:
     configuration = parse_configuration(options.config)
     failing = read_failing(options.failing, configuration)
+    if any(pair.context and pair.context.margins.min() < 0 for pair in failing):
+        raise InputError(f"{options.failing}: context_margins: must be at least 0")
     _check_rtl(options.dut)
     core = BareCore(configuration, options.dut.resolve())
     store, ending = options.store if options.keep else None, ".svg" if options.svg else ".png"

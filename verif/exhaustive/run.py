@@ -13,10 +13,10 @@ import numpy as np
 from triaxis.golden.bulk import bulk_facts
 from triaxis.golden.errors import InputError
 from triaxis.golden.processes import results_in_processes
-from triaxis.sim.build import rtl_hash
 from triaxis.sim.core_engine import LockstepEngine, RtlEngine
 from triaxis.sim.evidence import write_evidence
 from triaxis.sim.paths import BUILD
+from triaxis.sim.standing import standing
 from triaxis.sim.validity import Sources, validity
 from triaxis.verif.core.checking import Failure
 from triaxis.verif.core.failing_pairs import write_failing_pairs
@@ -83,24 +83,36 @@ def run_grid(
 
     Where it is interrupted, the state that it leaves in ``folder`` continues the run.
     """
-    report = progress or (lambda _: None)
+    report, before = progress or (lambda _: None), standing(SOURCES)
+    _check_identity(identity)
     # Built here, so that the workers find it.
     _core(grid.size)
     state = load(folder, identity)
     report(state.done)
-    before = state.done
+    known = state.done
+
+    def keep() -> None:
+        if before.stands:
+            save(folder, identity, state)
+
     try:
-        _run_rest(grid, identity, state, report, folder, workers)
+        _run_rest(grid, identity, state, report, keep, workers)
     finally:
-        save(folder, identity, state)
-    outcome = Outcome(identity, grid, state, state.done - before)
+        keep()
+    before.check()
+    outcome = Outcome(identity, grid, state, state.done - known)
     write_result(outcome, folder)
     forget(folder, identity)
     return outcome
 
 
 def _run_rest(
-    grid: Grid, identity: Identity, state: Progress, report: Callable[[int], None], folder: Path, workers: int
+    grid: Grid,
+    identity: Identity,
+    state: Progress,
+    report: Callable[[int], None],
+    keep: Callable[[], None],
+    workers: int,
 ) -> None:
     step = max(1, _RUNS_PER_REPORT // (len(MARGINS) * len(grid.triangles)))
     last = len(grid.classes)
@@ -112,7 +124,7 @@ def _run_rest(
             state.seconds = time.monotonic() - start
             report(result.counts.classes)
             if time.monotonic() - saved > _SECONDS_BETWEEN_SAVES:
-                save(folder, identity, state)
+                keep()
                 saved = time.monotonic()
             if state.result.counts.mismatches >= ENOUGH_MISMATCHES:
                 return
@@ -137,9 +149,13 @@ _Task = tuple[Identity, int, int]
 @cache
 def _checker(identity: Identity) -> Callable[[int], ClassResult]:
     checker = partial(check_class, Grid(identity.grid), _core(identity.grid), bulk_facts, identity.seed)
-    if rtl_hash() != identity.rtl_hash:
-        raise InputError("dut/: changed while the run started: start it again")
+    _check_identity(identity)
     return checker
+
+
+def _check_identity(identity: Identity) -> None:
+    if identity_of(identity.grid, identity.seed) != identity:
+        raise InputError("the RTL, or its environment, changed while the run started: start it again")
 
 
 def _check_classes(task: _Task) -> ClassResult:
@@ -176,6 +192,8 @@ def _failure(mismatch: Mismatch) -> Failure:
 def write_result(outcome: Outcome, folder: Path) -> None:
     """Write the result, and the failing pairs where there are any."""
     size, result = outcome.grid.size, outcome.progress.result
+    done, wanted = min(result.counts.ordered), outcome.grid.ordered_pairs
+    share = "all those" if done == wanted else f"of {wanted:,}"
     failing = failing_file(folder, size)
     failing.unlink(missing_ok=True)
     if result.mismatches:
@@ -183,14 +201,14 @@ def write_result(outcome: Outcome, folder: Path) -> None:
     content = {
         "passed": not outcome.problems,
         "problems": outcome.problems,
-        "summary": f"{outcome.grid.ordered_pairs:,} ordered pairs, all those on a grid of {size}",
+        "summary": f"{done:,} ordered pairs, {share} on a grid of {size}",
         **asdict(outcome.identity),
         "command": f"triaxis prove exhaustive --grid {size} --seed {outcome.identity.seed}",
         "seconds": round(outcome.progress.seconds, 1),
         "margins": MARGINS,
         "triangles": len(outcome.grid.triangles),
         "classes": len(outcome.grid.classes),
-        "ordered_pairs": outcome.grid.ordered_pairs,
+        "ordered_pairs": wanted,
         "counts": asdict(result.counts),
         "mismatches": [
             {"message": mismatch.message, "pair": mismatch.pair, "margin": mismatch.margin}

@@ -10,13 +10,13 @@ from filelock import FileLock
 
 from triaxis.golden.outputs import make_folder
 from triaxis.golden.processes import threads
-from triaxis.sim.build import rtl_hash
 from triaxis.sim.paths import DUT
+from triaxis.sim.standing import standing
 from triaxis.verif.faults import runs
 from triaxis.verif.faults.environment_faults import try_environment, try_healthy_environment
 from triaxis.verif.faults.faulty_rtl import faulty_rtl
 from triaxis.verif.faults.known_faults import FAULTS, Fault, Kind
-from triaxis.verif.faults.result import Attempt, FaultsResult, Outcome
+from triaxis.verif.faults.result import SOURCES, Attempt, FaultsResult, Outcome
 from triaxis.verif.faults.rtl_faults import SEARCHES, try_rtl
 from triaxis.verif.faults.wrapper_faults import try_wrapper
 
@@ -59,7 +59,7 @@ def _catch_all(
 ) -> FaultsResult:
     start = time.monotonic()
     chosen = _signed_off() if faults is None else tuple(faults)
-    before = rtl_hash(dut)
+    before = standing(SOURCES, dut)
     folders = [faulty_rtl(fault, dut) if fault.patch else dut for fault in chosen]
     outcomes: list[Outcome] = []
     with threads(_JOBS) as pool:
@@ -71,7 +71,7 @@ def _catch_all(
             outcomes.append(_concluded(fault, *future.result(), seed))
             progress(1)
         wrong = healthy.result()
-    return FaultsResult(outcomes, wrong, rtl_hash(dut) != before, seed, time.monotonic() - start)
+    return FaultsResult(outcomes, wrong, before.valid_for, not before.stands, seed, time.monotonic() - start)
 
 
 def _tried(fault: Fault, broken: Path, seed: int) -> tuple[Attempt, float]:

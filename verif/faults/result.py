@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from triaxis.sim.evidence import write_evidence
-from triaxis.sim.validity import Sources
+from triaxis.sim.validity import Provenance, Sources
 from triaxis.verif.faults.faulty_rtl import FOLDER
 from triaxis.verif.faults.known_faults import FAULTS, Fault
 from triaxis.verif.testbench.settings import TEST_DATA, TEST_MODULES
@@ -98,11 +98,12 @@ class Outcome:
 class FaultsResult:
     """What became of the faults; ``control``: what the same procedure finds wrong where nothing is.
 
-    ``changed``: the RTL was another after the run than before it.
+    ``changed``: what it is valid for was written to during the run.
     """
 
     outcomes: list[Outcome]
     control: list[str]
+    valid_for: Provenance
     changed: bool
     seed: int
     seconds: float
@@ -124,7 +125,7 @@ class FaultsResult:
         if not self.outcomes:
             found.append("no fault was tried")
         if self.changed:
-            found.append("the RTL changed during the run")
+            found.append("the RTL, or its environment, changed during the run")
         return found
 
     @property
@@ -162,6 +163,7 @@ def write_json(result: FaultsResult, path: Path | None = None) -> Path:
         "seed": result.seed,
         "control": {"passed": not result.control, "problems": result.control},
         "faults": [outcome.record() for outcome in result.outcomes],
+        **asdict(result.valid_for),
     }
     return write_evidence(path or RESULT, content, SOURCES)
 

@@ -12,7 +12,8 @@ from triaxis.sim.board_parameters import is_board_configuration
 from triaxis.sim.evidence import write_evidence
 from triaxis.sim.paths import DUT
 from triaxis.sim.programs import yosys_version
-from triaxis.sim.validity import Sources, Validity, validity
+from triaxis.sim.standing import standing
+from triaxis.sim.validity import Sources, Validity
 from triaxis.verif.formal.proof import Outcome, require_tools
 from triaxis.verif.formal.proving import outcome_of
 from triaxis.verif.netlist.gates import FOLDER, NOT_SIMULATED, SCOPES, Scope, run_on_gates
@@ -129,7 +130,7 @@ def check_all(seed: int, progress: Callable[[int], None], jobs: int = 2) -> Netl
     require_tools()
     modules = FOLDER / "modules"
     make_folder(modules)
-    before, start = validity(SOURCES), time.monotonic()
+    before, start = standing(SOURCES), time.monotonic()
     with threads(jobs) as pool:
         # What takes longest first.
         running = [pool.submit(run_on_gates, scope, seed) for scope in reversed(SCOPES)]
@@ -140,7 +141,7 @@ def check_all(seed: int, progress: Callable[[int], None], jobs: int = 2) -> Netl
     results = [one.result() for one in reversed(running)]
     return NetlistResult(
         tuple(map(gate_run, SCOPES, results)), tuple(one.result() for one in proving), seed,
-        time.monotonic() - start, before, validity(SOURCES) != before,
+        time.monotonic() - start, before.valid_for, not before.stands,
     )  # fmt: skip
 
 

@@ -11,6 +11,7 @@ from triaxis.coverage.cover_model import CoverModel
 from triaxis.coverage.html import write_page
 from triaxis.coverage.mesh_coverage import mesh_model
 from triaxis.coverage.report import ModelReport, report
+from triaxis.golden.errors import InputError
 from triaxis.sim.board_parameters import is_board_configuration
 from triaxis.sim.configuration import parse_configuration
 from triaxis.sim.mesh_configuration import is_mesh_configuration, parse_mesh_configuration
@@ -36,6 +37,15 @@ def model_named(name: str) -> CoverModel[Any]:
     """Return the model of that name; those of the engine have the names of their configurations."""
     board = board_model()
     return board if name == board.name else model_of(name.removeprefix(_CORE))
+
+
+def has_coverage(config: str, run: Path) -> bool:
+    """Return whether a run in a folder left its coverage, whole."""
+    try:
+        load(coverage_file(run), model_of(config))
+    except InputError:
+        return False
+    return True
 
 
 def merge_coverage(

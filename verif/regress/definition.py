@@ -176,15 +176,21 @@ def _item(raw: Mapping[str, Any], content: Mapping[str, Any]) -> Item:
     name, config, seeds = raw["name"], raw["build_mode"], raw.get("reseed", content.get("reseed", 1))
     if config not in {mode["name"] for mode in content["build_modes"]}:
         raise ValueError(f"test {name}: no build mode {config}")
-    if not isinstance(seeds, int) or seeds < 1:
-        raise ValueError(f"test {name}: reseed {seeds}: must be at least 1")
+    _check_seeds(f"test {name}", seeds)
     model_of(config)
     options = {"--judged": "1", "--agent": BURST} | dict(option.split() for option in raw["run_opts"])
     if options.keys() != {"--pairs", "--judged", "--agent"} or options["--agent"] not in (PIN, BURST):
         wanted = f"must be --pairs N, --judged N, --agent {PIN} or {BURST}"
         raise ValueError(f"test {name}: run_opts {raw['run_opts']}: {wanted}")
     pairs, judged = int(options["--pairs"]), int(options["--judged"])
+    if pairs < 1 or judged < 1:
+        raise ValueError(f"test {name}: run_opts: --pairs and --judged must be at least 1")
     return Item(PlannedRun(name, raw["uvm_test"], config, 0, pairs, options["--agent"], judged), seeds)
+
+
+def _check_seeds(what: str, seeds: Any) -> None:
+    if not isinstance(seeds, int) or seeds < 1:
+        raise ValueError(f"{what}: reseed {seeds}: must be at least 1")
 
 
 def _regression(raw: Mapping[str, Any], goal: Mapping[str, Any], items: Mapping[str, Item]) -> Regression:
@@ -193,6 +199,8 @@ def _regression(raw: Mapping[str, Any], goal: Mapping[str, Any], items: Mapping[
         raise ValueError(f"regression {name}: it has no tests")
     if missing := wanted - items.keys():
         raise ValueError(f"regression {name}: no test {', '.join(sorted(missing))}")
+    if "reseed" in raw:
+        _check_seeds(f"regression {name}", raw["reseed"])
     ordered = tuple(item for item in items if item in wanted)
     return Regression(
         name, ordered, raw.get("reseed"), int(goal.get("pairs", 0)), bool(goal.get("coverage", False)),

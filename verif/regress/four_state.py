@@ -17,7 +17,8 @@ from triaxis.sim.evidence import write_evidence
 from triaxis.sim.paths import BUILD, DUT
 from triaxis.sim.programs import yosys_version
 from triaxis.sim.simulators import ICARUS, icarus_version
-from triaxis.sim.validity import Sources, Validity, validity
+from triaxis.sim.standing import standing
+from triaxis.sim.validity import Sources, Validity
 from triaxis.verif.testbench.settings import PIN, TEST_DATA, TEST_MODULES, Block, RunSettings
 from triaxis.verif.testbench.simulation import RunResult, build_for, run, run_settings
 from triaxis.verif.testbench.table import table
@@ -60,6 +61,7 @@ class FourStateResult:
 
     runs: tuple[RunResult, ...]
     valid_for: Validity
+    changed: bool
     seconds: float
 
     @property
@@ -99,7 +101,7 @@ class FourStateResult:
             if not ran.passed
         ]
         found += ["no output was looked at"] if not self.looked else []
-        return found + (["the RTL changed meanwhile"] if validity(SOURCES) != self.valid_for else [])
+        return found + (["the RTL or its environment changed meanwhile"] if self.changed else [])
 
     @property
     def summary(self) -> str:
@@ -127,7 +129,7 @@ def run_four_state(
 
     Raises InputError where that is not installed.
     """
-    start, before = time.monotonic(), validity(SOURCES)
+    start, before = time.monotonic(), standing(SOURCES, dut)
     chosen = plan(seed) if runs is None else runs
 
     def one(settings: RunSettings) -> RunResult:
@@ -140,7 +142,7 @@ def run_four_state(
         build_for(settings, dut)
     with threads(_JOBS) as pool:
         results = tuple(pool.map(one, chosen))
-    return FourStateResult(results, before, time.monotonic() - start)
+    return FourStateResult(results, before.valid_for, not before.stands, time.monotonic() - start)
 
 
 def write_result(result: FourStateResult, command: str, path: Path = RESULT) -> Path:

@@ -15,6 +15,7 @@ from filelock import FileLock
 
 from triaxis.golden.errors import InputError
 from triaxis.golden.outputs import make_folder, write_whole
+from triaxis.sim.standing import standing
 from triaxis.sim.validity import Sources, validity
 from triaxis.verif.counterexample.explaining import run_and_explain
 from triaxis.verif.regress.failing import FailingSeeds
@@ -89,7 +90,8 @@ def _run(options: argparse.Namespace) -> int:
     """Run once, unless the same run has passed meanwhile."""
     named = ("item", "test", "config", "seed", "pairs", "agent", "judged")
     run = PlannedRun(*(getattr(options, name) for name in named))
-    path, sources = record_file(options.folder, run), identity()
+    path, before = record_file(options.folder, run), standing(SOURCES)
+    sources = before.valid_for.key
     if options.identity not in (ANY, sources):
         # No result: it would be of neither the one nor the other.
         print("FAILED: the RTL or its environment changed during the regression")
@@ -103,6 +105,9 @@ def _run(options: argparse.Namespace) -> int:
             if options.waves != "none" and not waves:
                 print("no waves: they are of runs on the pins, and this one is in bursts")
             record = _perform(run, options.folder, sources, waves)
+            if not before.stands:
+                print("FAILED: ERROR the RTL or its environment was written to during the run")
+                return 1
             # First, so that no kill comes between a result and its being kept.
             FailingSeeds(options.failing).note(record)
             write_record(options.folder, record)

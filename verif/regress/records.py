@@ -12,6 +12,7 @@ from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
+from triaxis.golden.errors import InputError
 from triaxis.golden.outputs import write_whole
 from triaxis.verif.testbench.settings import RunSettings
 from triaxis.verif.testbench.simulation import run_settings
@@ -220,6 +221,9 @@ def begin(
     ``any_seed``: what is left may be of any seed. What the folder holds of another is moved to where it stays
     readable until it is replaced in turn.
     """
+    for folder in (regression, previous(regression)):
+        if folder.is_dir() and any(folder.iterdir()) and not state_file(folder).exists():
+            raise InputError(f"{folder}: holds no regression, and is not removed: use another --folder")
     left = read_state(regression)
     if left and not left.finished and not fresh:
         same = replace(wanted, seed=left.seed) if any_seed else wanted

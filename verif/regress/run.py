@@ -5,6 +5,7 @@ import json
 import shlex
 import time
 from collections.abc import Callable, Sequence
+from contextlib import AbstractContextManager
 from dataclasses import dataclass, replace
 from datetime import UTC, datetime
 from pathlib import Path
@@ -14,7 +15,7 @@ from filelock import FileLock, Timeout
 from triaxis.golden.errors import InputError
 from triaxis.golden.outputs import make_folder, write_whole
 from triaxis.sim.paths import BUILD, ROOT
-from triaxis.verif.regress.coverage_models import merge_coverage
+from triaxis.verif.regress.coverage_models import has_coverage, merge_coverage
 from triaxis.verif.regress.definition import DEFINITION, NIGHTLY, in_checkout, read_definition, write_view
 from triaxis.verif.regress.dispatch import Dvsim, check_dvsim, last_error
 from triaxis.verif.regress.failing import NAME as FAILING
@@ -71,18 +72,18 @@ class Request:
         return shlex.join(words)
 
 
-# Told of the runs in all, and of those that are done.
-Watch = Callable[[int, int], None]
+# Shows how many runs are done, of how many in all, as what it gives is called with those that were.
+Shown = Callable[[str, int], AbstractContextManager[Callable[[int], None]]]
 
 
-def regress(request: Request, say: Callable[[str], None], watch: Watch) -> Outcome:
+def regress(request: Request, say: Callable[[str], None], shown: Shown) -> Outcome:
     """Run what is left of the regression, and write its reports; ``say`` is given a line now and then.
 
     Raise InputError where it cannot start, KeyboardInterrupt where it was stopped; what was done until
     then is kept, and the same call goes on from there.
     """
     # First, so that what cannot be run leaves nothing behind.
-    regression = _Regression(request, say, watch)
+    regression = _Regression(request, say, shown)
     try:
         make_folder(request.folder)
         with FileLock(request.folder / f"{request.regression}.lock", blocking=False):
@@ -104,10 +105,10 @@ def _check_folder(folder: Path) -> None:
 class _Regression:
     """One call: what it works on."""
 
-    def __init__(self, request: Request, say: Callable[[str], None], watch: Watch) -> None:
+    def __init__(self, request: Request, say: Callable[[str], None], shown: Shown) -> None:
         check_dvsim()
         _check_folder(request.folder)
-        self._request, self._say, self._watch = request, say, watch
+        self._request, self._say, self._shown = request, say, shown
         self._folder = request.folder / request.regression
         self._definition = read_definition(request.definition)
         self._regression = self._definition.regression(request.regression)
@@ -141,8 +142,9 @@ class _Regression:
         everything = list((first | {run.key: run for run in planned}).values())
         if first:
             self._say(f"replaying {len(first)} seed{'s' * (len(first) > 1)} that failed before")
-        self._pass("replay", list(first.values()), everything)
-        self._pass("main", [run for run in planned if run.key not in first], everything)
+        with self._shown(request.regression, len(everything)) as progress:
+            self._pass("replay", list(first.values()), progress)
+            self._pass("main", [run for run in planned if run.key not in first], progress)
         outcome = self._outcome(state, planned, everything, replayed, kept)
         self._write(outcome)
         return outcome
@@ -164,21 +166,25 @@ class _Regression:
 
     def _done(self, run: PlannedRun) -> bool:
         record = read_record(record_file(self._folder, run))
-        return record is not None and record.passed and record.identity == self._identity
+        if record is None or not record.passed or record.identity != self._identity:
+            return False
+        return run.config in self._regression.uncovered or has_coverage(run.config, Path(record.folder))
 
-    def _pass(self, name: str, runs: Sequence[PlannedRun], everything: Sequence[PlannedRun]) -> None:
+    def _pass(self, name: str, runs: Sequence[PlannedRun], progress: Callable[[int], None]) -> None:
         """Have dvsim do those of the runs that have not passed yet."""
         missing = [run for run in runs if not self._done(run)]
+        progress(len(runs) - len(missing))
         if not missing:
             return
         # A failure of an earlier attempt must not pass for one of this.
         for run in missing:
             record_file(self._folder, run).unlink(missing_ok=True)
-        begun = time.time()
+        begun, done = time.time(), 0
 
         def watch() -> None:
-            done = sum(record_file(self._folder, run).exists() for run in everything)
-            self._watch(len(everything), done)
+            nonlocal done
+            before, done = done, sum(record_file(self._folder, run).exists() for run in missing)
+            progress(done - before)
 
         code = self._dvsim.run(name, missing, watch)
         if code < 0:

@@ -7,6 +7,7 @@ changed afterwards, but older mutants go.
 import hashlib
 import io
 import json
+import math
 import re
 import sqlite3
 import sys
@@ -43,6 +44,8 @@ _STAMP = (
     "verilator",
     "python",
 )
+_FLAGS = ("passed", "flaky", "silent")
+_NUMBERS = ("seconds", "pairs", "failures", "coverage_percent", "hit", "total", "tried", "noticed")
 _OLDER = """
 DELETE FROM {} WHERE result IN (
   SELECT id FROM result WHERE (kind, rtl_hash, environment_hash) = (?, ?, ?)
@@ -113,6 +116,8 @@ def add_evidence(file: Path, path: Path = DATABASE) -> bool:
     wanted = "must be the whole result of a regression, a sign-off or a run over mutants"
     try:
         rows = list(_rows(content))
+        for _, row in rows:
+            _check(row)
     except (KeyError, TypeError, ValueError, AttributeError) as error:
         raise InputError(f"{file}: {wanted}: {error!r}") from error
     (_, result), *rest = rows
@@ -151,6 +156,17 @@ def _insert(connection: sqlite3.Connection, table: str, row: Content, how: str =
     return found.lastrowid if found.rowcount else None
 
 
+def _check(row: Content) -> None:
+    """Raise ValueError for what no page could show: SQLite keeps values of any type."""
+    for name, value in row.items():
+        if value is None:
+            continue
+        if name in _FLAGS and not isinstance(value, bool):
+            raise ValueError(f"{name}: {value!r}: must be true or false")
+        if name in _NUMBERS and (type(value) not in (int, float) or not 0 <= value < math.inf):
+            raise ValueError(f"{name}: {value!r}: must be a number that is not negative")
+
+
 def _rows(content: Content) -> Iterator[tuple[str, Content]]:
     """Yield the rows of a file with the names of their tables, that of the result first."""
     if "regression" in content:
@@ -166,6 +182,8 @@ def _rows(content: Content) -> Iterator[tuple[str, Content]]:
             yield from _power(of)
     else:
         raise ValueError("it has neither `regression`, `parts`, `mutants` nor `power`")
+    if not isinstance(content["problems"], list):
+        raise TypeError("problems: must be a list")
     yield from (("problem", {"said": problem}) for problem in content["problems"])
     yield from (("exception", {"said": line}) for line in content.get("exceptions", ()))
 

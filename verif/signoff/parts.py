@@ -11,6 +11,7 @@ from triaxis.golden.judge import CertificateError
 from triaxis.sim.build import rtl_hash
 from triaxis.sim.core_engine import CoreError
 from triaxis.sim.evidence import read_evidence
+from triaxis.sim.programs import yosys_version
 from triaxis.sim.validity import Sources, validity
 from triaxis.verif.code_coverage import run as code_coverage
 from triaxis.verif.exhaustive.grid import Grid
@@ -107,16 +108,20 @@ def results_beside() -> dict[str, Part]:
     found: dict[str, Part] = {}
     for name, one in _BESIDE.items():
         part = attempt(lambda one=one: read_evidence(one.path))
-        here, evidence = validity(one.sources), part.evidence
+        here, evidence = vars(validity(one.sources)), part.evidence
         if evidence is None:
             part = Part(None, f"run `{one.command}`")
-        elif (evidence["rtl_hash"], evidence.get("environment_hash")) != (
-            here.rtl_hash,
-            here.environment_hash,
-        ):
-            part = Part(None, f"what is in build/ is of another RTL or environment: run `{one.command}`")
+        elif any(evidence.get(name) != value for name, value in {**here, **_synthesiser(evidence)}.items()):
+            part = Part(
+                None, f"what is in build/ is of another RTL, environment or tool: run `{one.command}`"
+            )
         found[name] = part
     return found
+
+
+def _synthesiser(evidence: Evidence) -> dict[str, str]:
+    """Return what names the synthesiser in a result, as today's would be named."""
+    return {name: yosys_version() for name in ("synthesiser", "elaborated_by") if name in evidence}
 
 
 def make_beside(seed: int, progress: Progress) -> dict[str, Part]:

@@ -18,7 +18,7 @@ from triaxis.coverage.code_counters import (
 )
 from triaxis.coverage.code_coverage import Assessment, Bin, Total, generate_blocks
 from triaxis.coverage.elaboration import read_elaboration
-from triaxis.coverage.waivers import KINDS, Waiver, module_hash
+from triaxis.coverage.waivers import KINDS, Waiver
 from triaxis.golden.errors import InputError
 from triaxis.host.cli import main
 from triaxis.host.tests.published import read_published
@@ -26,6 +26,7 @@ from triaxis.sim.build import run_tool
 from triaxis.sim.configuration import Configuration
 from triaxis.sim.core_engine import CorePlayer
 from triaxis.sim.paths import board_sources, mesh_sources, rtl_sources
+from triaxis.sim.validity import Provenance
 from triaxis.sim.verilate import QUICK, compiler, described, library, runtime
 from triaxis.verif.code_coverage.run import BOARDS, CORES, ENGINES, CodeCoverage, Run, covered, write_json
 from triaxis.verif.commands import coverage as command
@@ -93,8 +94,10 @@ def test_the_models_elaborate_every_generate_block() -> None:
 
 def coverage(assessment: Assessment, **changes: int) -> CodeCoverage:
     run = replace(Run("w16_m0", "MixedTest", 9, 0, 1.0), **changes)
-    waiver = Waiver(1, "bounded", "because", "dut", module_hash((), {}), "toggle", ("m",), signals=("s",))
-    return CodeCoverage([run], assessment, [waiver], 2.0, "a" * 64)
+    waiver = Waiver(1, "bounded", "because", "toggle", ("m",), signals=("s",))
+    read = replace(waiver, reviewed=waiver.hashes({}))
+    valid_for = Provenance("a" * 64, "b" * 64, "5.048", None, None)
+    return CodeCoverage([run], assessment, [read], 2.0, valid_for)
 
 
 def all_hit() -> Assessment:
@@ -105,6 +108,7 @@ def hole() -> Bin:
     return Bin("w16_m0", "toggle", "a.sv", 3, "x[1]:0->1", TOP)
 
 
+CHANGED = "the RTL, or its environment, changed during the run"
 HOLE = "a.sv:3: toggle x[1]:0->1, TOP.triaxis_core, w16_m0"
 
 
@@ -116,7 +120,11 @@ HOLE = "a.sv:3: toggle x[1]:0->1, TOP.triaxis_core, w16_m0"
         (coverage(all_hit(), checked=0), "w16_m0: MixedTest: nothing was checked", "nothing was checked"),
         (coverage(replace(all_hit(), uncovered=[hole()] * 50)), None, HOLE),
         (coverage(replace(all_hit(), problems=["a waiver"])), "a waiver", "a waiver"),
-        (replace(coverage(all_hit()), changed=True), "the RTL changed during the run", "the RTL changed"),
+        (
+            replace(coverage(all_hit()), changed=True),
+            "the RTL, or its environment, changed during the run",
+            "changed during",
+        ),
     ],
 )
 def test_the_result_is_written_and_the_exit_code_says_the_same(
@@ -124,7 +132,7 @@ def test_the_result_is_written_and_the_exit_code_says_the_same(
 ) -> None:
     path, passed = tmp_path / "coverage" / "code.json", said == "PASSED"
     monkeypatch.setattr(command, "measure", lambda *_, **__: found)
-    monkeypatch.setattr(command, "write_json", lambda *_: write_json(found, 5, path))
+    monkeypatch.setattr(command, "write_json", lambda *_, **__: write_json(found, 5, path))
     assert main(["coverage", "code"]) == (0 if passed else 1)
     out = capsys.readouterr().out
     assert said in out and ("PASSED" in out) is passed

@@ -89,8 +89,9 @@ def test_what_runs_cover_is_shown(tmp_path, monkeypatch, capsys):
     for wrong, why in (
         (tmp_path, "no such file: a run that passed leaves it"),
         (random / "scoreboard.json", "not a coverage file"),
+        (f"{random}/../{random.name}", f"{random / 'coverage.json'}: named twice"),
     ):
-        assert main(["coverage", "page", str(wrong), "--out", str(page)]) == 2
+        assert main(["coverage", "page", str(random), str(wrong), "--out", str(page)]) == 2
         assert why in capsys.readouterr().err
     assert not page.exists(), "an old page stands for what was not read"
 
@@ -114,9 +115,10 @@ def test_a_folder_of_runs_that_cannot_be_written_is_told(tmp_path, monkeypatch, 
     assert "cannot make this folder: Not a directory" in capsys.readouterr().err
 
 
-def test_cells_without_a_netlist_are_refused(capsys):
-    assert main(["prove", "netlist", "--cells", "unisims"]) == 2
-    assert "--netlist" in capsys.readouterr().err
+@pytest.mark.parametrize("words", [("--cells", "unisims"), ("--config", "w16_m0")])
+def test_what_is_of_a_netlist_is_refused_without_one(capsys, words):
+    assert main(["prove", "netlist", *words]) == 2
+    assert f"{words[0]}: give --netlist too" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize(("told", "code"), [((), 0), (("one differs",), 1)])

@@ -130,9 +130,12 @@ def test_command_and_a_failed_run(broken, missed, tmp_path, rng, capsys, monkeyp
     status, again, _ = shrunk(failing, "--no-keep")
     assert (status, again) == (0, "".join(line for line in out.splitlines(True) if "kept:" not in line))
     far = archive(tmp_path / "far.npz", FAR[None], NO_MARGIN)
+    one = np.ones(1, np.int64)
+    before = archive(tmp_path / "before.npz", FAR[None], NO_MARGIN, FAR[None, None], -one[None], one)
     for words, dut, due, said in (
         ((far, "--no-keep"), broken, 1, "none of 1 pairs fails on the bare core w8_m8"),
         ((tmp_path / "no.npz",), broken, 2, "cannot read"),
+        ((before,), broken, 2, "context_margins: must be at least 0"),
         ((failing,), tmp_path, 2, "no triaxis_pkg.sv"),
     ):
         status, _, error = shrunk(*words, dut=dut)

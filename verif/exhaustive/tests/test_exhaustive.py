@@ -1,6 +1,7 @@
 """Exhaustive runs: nothing is left out, nothing wrong is missed, and stopping loses nothing."""
 
 import json
+import shutil
 from dataclasses import replace
 from math import comb
 
@@ -13,7 +14,9 @@ from triaxis.golden.errors import InputError
 from triaxis.golden.judge import CertificateError, judge_pairs
 from triaxis.host.cli import main
 from triaxis.sim.core_engine import RtlEngine
+from triaxis.sim.paths import DUT
 from triaxis.sim.result import NEAR
+from triaxis.sim.standing import standing
 from triaxis.verif.commands import prove
 from triaxis.verif.core.expectation import expected_words
 from triaxis.verif.core.failing_pairs import read_failing_pairs
@@ -191,6 +194,21 @@ def test_an_interrupted_run_is_continued(tmp_path, monkeypatch, workers):
     assert outcome.progress.result == whole.progress.result
     assert outcome.problems == []
     assert not state_file(folder, identity).exists()
+
+
+@pytest.mark.simulator
+def test_what_was_written_to_meanwhile_leaves_neither_state_nor_result(tmp_path, monkeypatch):
+    dut, folder = tmp_path / "dut", tmp_path / "runs"
+    shutil.copytree(DUT, dut)
+    monkeypatch.setattr(run, "standing", lambda sources: standing(sources, dut))
+    monkeypatch.setattr(run, "_SECONDS_BETWEEN_SAVES", 0.0)
+    file = dut / "core" / "triaxis_core.sv"
+    with pytest.raises(InputError, match="was written to during the run"):
+        run.run_grid(Grid(2), run.identity_of(2, 1), lambda _: file.write_text(file.read_text()), folder, 1)
+    assert not list(folder.rglob("*.json"))
+    other = replace(run.identity_of(2, 1), environment_hash="x")
+    with pytest.raises(InputError, match="changed while the run started"):
+        run.run_grid(Grid(2), other, None, folder, 1)
 
 
 def test_states_of_other_runs_are_not_continued(tmp_path):

@@ -18,6 +18,7 @@ from triaxis.sim.build import rtl_files
 from triaxis.sim.configuration import parse_configuration
 from triaxis.sim.evidence import read_evidence
 from triaxis.sim.paths import DUT
+from triaxis.sim.validity import Provenance
 from triaxis.verif.commands import inject as command
 from triaxis.verif.core.failing_pairs import Stream
 from triaxis.verif.core.kept_cases import FOUND, REGRESSIONS
@@ -245,11 +246,12 @@ def test_faults_of_a_testbench_are_caught_and_an_environment_that_lets_them_pass
 # --- The result ----------------------------------------------------------------------------------------
 
 
+VALID_FOR = Provenance("of the RTL", "of the tests", "5.048", None, None)
+
+
 def whole_result(**changes):
     outcomes = [Outcome(fault, 1, 0.5, Catch("T", "m")) for fault in FAULTS if fault.signed_off]
-    return FaultsResult(
-        **{"outcomes": outcomes, "control": [], "changed": False, "seed": 1, "seconds": 2.0, **changes}
-    )
+    return replace(FaultsResult(outcomes, [], VALID_FOR, False, 1, 2.0), **changes)
 
 
 def test_result_is_red_for_every_reason():
@@ -262,7 +264,7 @@ def test_result_is_red_for_every_reason():
         ({"outcomes": [missed, *rest]}, "F1-box (sign, box axes) is not caught: all pass"),
         ({"outcomes": [bare, *rest]}, "F1-box is caught without a counterexample"),
         ({"control": ["RandomTest: core says"]}, "without a fault: RandomTest: core says"),
-        ({"changed": True}, "the RTL changed during the run"),
+        ({"changed": True}, "the RTL, or its environment, changed during the run"),
         ({"outcomes": []}, "no fault was tried"),
     ):
         assert whole_result(**change).problems == [problem]
@@ -290,7 +292,7 @@ def test_command_line(capsys, monkeypatch):
         (Outcome(f2, 1, 0.0, None, reason="all pass"), 1, "PROBLEM F2 (coplanarity) is not caught: all pass"),
         (Outcome(f2, 1, 0.0, Catch("T", "m")), 0, "PASSED: 1 of 1 faults caught"),
     ):
-        found = FaultsResult([outcome], [], False, 1, 0.0)
+        found = FaultsResult([outcome], [], VALID_FOR, False, 1, 0.0)
         monkeypatch.setattr(command, "catch_all", lambda *_, found=found: found)
         assert main(["prove", "faults", "--fault", "F2"]) == status
         out = capsys.readouterr().out

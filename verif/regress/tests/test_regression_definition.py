@@ -78,6 +78,8 @@ def test_dvsim_runs_each_test_in_its_own_configuration(definition, tmp_path):
     ("right", "wrong", "message"),
     [
         ('"reseed": 2', '"reseed": 0', "must be at least 1"),
+        ('"smoke", "reseed": 1', '"smoke", "reseed": -3', "regression smoke: reseed -3: must be at least 1"),
+        ("--judged 1", "--judged 0", "--pairs and --judged must be at least 1"),
         ('"uvm_test": "MixedTest"', '"uvm_tset": "MixedTest"', "uvm_test"),
         ('"build_mode": "w24_m24"', '"build_mode": "w25_m24"', "no build mode w25_m24"),
         ('"--agent pin", "--j', '"--agent pen", "--j', "must be --pairs N, --judged N, --agent pin or burst"),

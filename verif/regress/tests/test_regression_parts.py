@@ -1,5 +1,6 @@
 """The parts of a regression on their own: buckets, failing seeds, state, problems, jobs."""
 
+import shutil
 import subprocess
 import sys
 from dataclasses import replace
@@ -13,7 +14,9 @@ import pytest
 from triaxis.coverage.report import IllegalHit, ItemReport, ModelReport
 from triaxis.golden.errors import InputError
 from triaxis.sim.evidence import read_evidence
-from triaxis.verif.regress import dispatch
+from triaxis.sim.paths import DUT
+from triaxis.sim.standing import standing
+from triaxis.verif.regress import dispatch, one_job
 from triaxis.verif.regress.definition import Regression
 from triaxis.verif.regress.failing import FailingSeed, FailingSeeds, buckets
 from triaxis.verif.regress.launchers import LSF, SLURM, launcher
@@ -28,6 +31,7 @@ from triaxis.verif.regress.records import (
     read_record,
     read_state,
     record_file,
+    record_of,
     write_record,
     write_state,
 )
@@ -190,6 +194,20 @@ def test_results_of_the_board_count_replies_and_none_that_the_golden_model_judge
     assert (result["pairs_checked"], result["pairs_judged_by_golden_model"]) == (2009, 2000)
 
 
+def test_a_folder_that_is_no_regressions_is_left_as_it_is(tmp_path):
+    folder, wanted = tmp_path / "smoke", State(1, 1.0, "sources")
+    for other in (folder, previous(folder)):
+        other.mkdir()
+        (other / "thesis.txt").write_text("mine")
+        with pytest.raises(
+            InputError, match=r"holds no regression, and is not removed: use another --folder"
+        ):
+            begin(folder, wanted, print)
+        assert (other / "thesis.txt").read_text() == "mine"
+        shutil.rmtree(other)
+    assert begin(folder, wanted, print).seed == 1
+
+
 # --- Jobs -----------------------------------------------------------------------------------------------
 
 
@@ -211,6 +229,29 @@ def test_a_job_that_cannot_be_done_leaves_its_reason_and_no_result(tmp_path, job
     assert not list(tmp_path.rglob("*.json"))
     if "build" in job:
         assert "margin bits 17" in error_file(tmp_path, "w16_m17").read_text()
+
+
+def test_a_run_whose_sources_were_written_to_leaves_no_result(tmp_path, monkeypatch, capsys):
+    """Though they are again what they were: the simulation may have been of what was there in between."""
+    dut, key = tmp_path / "dut", standing(one_job.SOURCES).valid_for.key
+    shutil.copytree(DUT, dut)
+    monkeypatch.setattr(one_job, "standing", lambda sources: standing(sources, dut))
+    runs = []
+
+    def perform(run, folder, sources, _):
+        runs.append(run)
+        if len(runs) == 1:
+            file = dut / "core" / "triaxis_core.sv"
+            file.write_text(file.read_text())
+        return record_of(run, folder, sources, 0.0, (), True, {"checked": 1, "judged": 1})
+
+    monkeypatch.setattr(one_job, "_perform", perform)
+    words = "run --item MixedTest_w16_m0 --test MixedTest --config w16_m0 --seed 7 --pairs 1"
+    folders = ["--folder", str(tmp_path / "smoke"), "--failing", str(tmp_path / "failing.json")]
+    monkeypatch.setattr(sys, "argv", ["one_job", *words.split(), "--identity", key, *folders])
+    assert one_job.main() == 1 and "was written to during the run" in capsys.readouterr().out
+    assert not list(tmp_path.rglob("*.json"))
+    assert one_job.main() == 0 and len(list((tmp_path / "smoke").rglob("*.json"))) == 1
 
 
 def test_missing_tools_are_named_and_lsf_goes_through_bsub(monkeypatch, tmp_path):

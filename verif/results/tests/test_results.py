@@ -241,6 +241,22 @@ def test_a_row_that_does_not_fit_takes_its_result_along(tmp_path):
     assert rows(path, "SELECT * FROM result") == []
 
 
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [
+        ({"passed": "no"}, "passed: 'no': must be true or false"),
+        ({"coverage": {"percent": float("inf"), "models": {}}}, "coverage_percent: inf: must be a number"),
+        ({"pairs_checked": -5}, "pairs: -5: must be a number that is not negative"),
+        ({"problems": "abc"}, "problems: must be a list"),
+        ({"runs": [run(1, seconds="x")]}, "seconds: 'x': must be a number"),
+    ],
+)
+def test_what_no_page_could_show_is_refused(tmp_path, change, said):
+    content = {**(read_evidence(regression(tmp_path, 1)) or {}), **change}
+    with pytest.raises(InputError, match=said):
+        add_evidence(write_evidence(tmp_path / "broken.json", content, SOURCES), tmp_path / "results.sqlite")
+
+
 def test_a_damaged_database_is_told_and_no_runs_verdict(tmp_path, capsys):
     path = tmp_path / "results.sqlite"
     path.write_text("this is no database, and long enough to be taken for one" * 9)

@@ -14,6 +14,7 @@ from triaxis.coverage.stages import read_figures
 from triaxis.golden.errors import InputError
 from triaxis.sim.build import content_hash, rtl_hash
 from triaxis.sim.paths import DUT
+from triaxis.sim.programs import yosys_version
 from triaxis.sim.validity import Sources, validity
 from triaxis.verif.lint import lint_rtl, rtl_linters
 from triaxis.verif.mutation.equivalence import evidence_hash
@@ -132,17 +133,17 @@ def test_what_stands_beside_may_be_absent_but_not_fail(tmp_path):
     assert not failed.passed and "four state: 2 values unknown" in failed.problems
 
 
-@pytest.mark.parametrize("key", ["rtl_hash", "environment_hash"])
+@pytest.mark.parametrize("key", ["rtl_hash", "environment_hash", "verilator", "synthesiser"])
 def test_what_stands_beside_is_of_this_rtl_and_this_environment(tmp_path, monkeypatch, key):
     path = tmp_path / "netlist.json"
     one = replace(signoff_parts._BESIDE["netlist"], path=path, sources=SOURCES)
     monkeypatch.setattr(signoff_parts, "_BESIDE", {"netlist": one})
     assert signoff_parts.results_beside()["netlist"].absent == "run `make netlist`"
-    here = vars(validity(SOURCES))
+    here = {**vars(validity(SOURCES)), "synthesiser": yosys_version()}
     path.write_text(json.dumps(evidence(**here)))
     assert signoff_parts.results_beside()["netlist"].evidence
     path.write_text(json.dumps(evidence(**{**here, key: "another"})))
-    assert "another RTL or environment" in (signoff_parts.results_beside()["netlist"].absent or "")
+    assert "another RTL, environment or tool" in (signoff_parts.results_beside()["netlist"].absent or "")
 
 
 def without_coq():
