@@ -232,9 +232,14 @@ def grown(box: Box, by: Fraction) -> Box:
 
 
 def finest_resolution(
-    box: Box, width: int, unit: Fraction = Fraction(1), steps: Steps = Steps.DECIMAL, room: int = 0
+    box: Box,
+    width: int,
+    unit: Fraction = Fraction(1),
+    steps: Steps = Steps.DECIMAL,
+    room: int = 0,
+    least: Fraction = Fraction(0),
 ) -> Fraction:
-    """Return the smallest resolution of its kind whose grid around the box holds it.
+    """Return the smallest resolution of its kind, and at ``least`` this, whose grid around the box holds it.
 
     ``unit``: the resolution times this is the number of that kind; ``room``: steps left free on each side.
     Raises InputError where the box is a point.
@@ -243,7 +248,7 @@ def finest_resolution(
     if extent == 0:
         raise InputError("volume: a single point: give one that has an extent")
     # 2^width integers, of which the outer two reach half a step further.
-    numbers = (number / unit for number in _numbers_from(extent * unit / (1 << width), steps))
+    numbers = (number / unit for number in _numbers_from(max(extent / (1 << width), least) * unit, steps))
     return next(r for r in numbers if fits([grown(box, room * r)], grid_around([box], r, width)))
 
 

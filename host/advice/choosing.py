@@ -57,7 +57,7 @@ def advise(
 
 
 def _band(row: WidthRow, wanted: Wanted) -> str:
-    return length(row.band or Fraction(0), wanted)
+    return length(row.band, wanted)
 
 
 def _why_not_smaller(rows: Sequence[WidthRow], chosen: WidthRow) -> str:
@@ -134,7 +134,7 @@ def _measured_reasons(measured: Measured | None) -> list[str]:
 
 def _why_none(wanted: Wanted, rows: Sequence[WidthRow]) -> tuple[str, ...]:
     """Return why no width does: the first that is precise enough, and the last that fits the board."""
-    precise = next((row for row in rows if row.band is not None and row.band <= wanted.band), None)
+    precise = next((row for row in rows if row.band <= wanted.band), None)
     fitting = _widest_fitting(rows)
     found: list[str] = []
     if precise is None:
@@ -156,7 +156,7 @@ def _widest_fitting(rows: Sequence[WidthRow]) -> WidthRow | None:
 
 def _changes(scene: AdviceScene, wanted: Wanted, board: Board, rows: Sequence[WidthRow]) -> tuple[str, ...]:
     fitting = _widest_fitting(rows)
-    if fitting is None or fitting.band is None:
+    if fitting is None:
         more = "" if board.margin_bits is None else ", or more --margin-bits"
         return (f"take a smaller clearance, a part with more DSP blocks (--dsps){more}",)
     extent = widest_extent(wanted.band, fitting.width, scene.rounding, scene.travels)
@@ -166,7 +166,7 @@ def _changes(scene: AdviceScene, wanted: Wanted, board: Board, rows: Sequence[Wi
             f"or work in a volume of at most {length(extent, wanted)} across, not "
             f"{length(extent_of([scene.volume]), wanted)} (--travel, --volume)"
         )
-    precise = next((row for row in rows if row.band is not None and row.band <= wanted.band), None)
+    precise = next((row for row in rows if row.band <= wanted.band), None)
     if precise is not None and precise.dsps is not None:
         found.append(f"or take a part with {precise.dsps} DSP blocks (--dsps)")
     return tuple(found)
@@ -211,7 +211,7 @@ def _row_entry(row: WidthRow, measured: Measured | None, unit: Fraction) -> dict
         "resolution_mm": resolution,
         "resolution_exactly": str(resolution),
         "offset_mm": [c * unit for c in row.grid.offset],
-        "band_mm": None if row.band is None else row.band * unit,
+        "band_mm": row.band * unit,
         "measured": None if measured is None else _measured_entry(measured),
     }
 

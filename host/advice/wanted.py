@@ -56,8 +56,8 @@ class AdviceScene:
 
     @property
     def travels(self) -> bool:
-        """Return whether the first mesh takes more than one position."""
-        return self.travel[0] != self.travel[1]
+        """Return whether the first mesh is moved further, by an offset that is rounded by itself."""
+        return self.travel != (NOWHERE, NOWHERE)
 
     @property
     def rounding(self) -> Fraction:
@@ -70,8 +70,8 @@ class AdviceScene:
 
     def positions(self, count: int) -> list[Vector]:
         """Return offsets within the travel: ``count`` points of the Halton sequence, or the only one."""
-        if not self.travels:
-            return [NOWHERE]
+        if self.travel[0] == self.travel[1]:
+            return [self.travel[0]]
         sides = list(zip(*self.travel, _BASES, strict=True))
         return [
             vector(low + (high - low) * _radical_inverse(number, base) for low, high, base in sides)

@@ -12,7 +12,6 @@ from pathlib import Path
 
 from triaxis.fpga.board_build import TOP, WHOLE_PART, XC7A100T, Resources, bitstream_sources
 from triaxis.fpga.resources import BUILDS, synthesise
-from triaxis.golden.errors import InputError
 from triaxis.golden.outputs import write_whole
 from triaxis.golden.pairs import MAX_WIDTH, MIN_WIDTH
 from triaxis.host.advice.wanted import AdviceScene, Wanted
@@ -65,7 +64,7 @@ def lanes_of_builds(width: int) -> int:
 
 @dataclass(frozen=True)
 class WidthRow:
-    """A width on its finest grid. ``margin`` in steps; None where the width cannot hold it, and what follows.
+    """A width on the finest grid that holds volume and clearance. ``margin`` in steps.
 
     ``band``: how far beyond the clearance a false alarm can be, in the files' unit; ``margin_bits``: as
     many as the margin needs, or as the board has. ``problems``: why it will not do, one sentence each.
@@ -75,9 +74,9 @@ class WidthRow:
     width: int
     grid: Grid
     shape: EngineShape
-    margin: int | None = None
-    margin_bits: int | None = None
-    band: Fraction | None = None
+    margin: int
+    margin_bits: int
+    band: Fraction
     dsps: int | None = None
     problems: tuple[str, ...] = ()
     resources: Resources | None = None
@@ -92,15 +91,15 @@ def width_row(
     scene: AdviceScene, wanted: Wanted, width: int, steps: Steps, board: Board, count_blocks: CountBlocks
 ) -> WidthRow:
     """Return what a width means."""
-    resolution = finest_resolution(scene.volume, width, wanted.unit, steps, room=int(scene.travels))
+    # Of the volume, and of the clearance as a margin: one of all ones, without the step for rounding and the
+    # half one of the position.
+    largest = (1 << width) - 2 - Fraction(int(scene.travels), 2)
+    least = (wanted.clearance + scene.rounding) / largest
+    room = int(scene.travels)
+    resolution = finest_resolution(scene.volume, width, wanted.unit, steps, room, least)
     grid, shape = grid_around([scene.volume], resolution, width), board.shape(width)
     reading = scene.reading(resolution)
-    try:
-        margin = margin_for(wanted.clearance, grid, reading)
-    except InputError:
-        needed = length(wanted.clearance, wanted)
-        problem = f"the clearance, {needed}, is more than {width} bits of {length(resolution, wanted)} hold"
-        return WidthRow(width, grid, shape, problems=(problem,))
+    margin = margin_for(wanted.clearance, grid, reading)
     bits = board.margin_bits if board.margin_bits is not None else margin.bit_length()
     band = false_alarm_band(wanted.clearance, resolution, margin, reading)
     problems: list[str] = []
@@ -127,7 +126,7 @@ _FOLDER = BUILD / "fpga" / "advised"
 
 def _parameters(row: WidthRow) -> Mapping[str, int]:
     sizes = {"Depth": row.shape.depth, "Group": row.shape.group, "Lanes": row.shape.lanes}
-    return {"W": row.width, "M": row.margin_bits or 0, **sizes}
+    return {"W": row.width, "M": row.margin_bits, **sizes}
 
 
 def _kept(row: WidthRow) -> Path:

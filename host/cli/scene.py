@@ -210,12 +210,10 @@ def _travel(words: list[list[str]], scale: Fraction) -> Box:
 def _simulated(scene: AdviceScene, row: WidthRow, offset: Vector) -> int:
     """Return the cycles of the simulated engine at a position, against all other meshes."""
     configuration = MeshConfiguration(
-        width=row.width, margin_bits=row.margin_bits or 0, **asdict(row.shape), certified=True
+        width=row.width, margin_bits=row.margin_bits, **asdict(row.shape), certified=True
     )
     a, *others = (integers(scene, row, place) for place in range(len(scene.meshes)))
-    runs = (
-        MeshEngineScene(a, b, configuration).run(translation(row, offset), row.margin or 0) for b in others
-    )
+    runs = (MeshEngineScene(a, b, configuration).run(translation(row, offset), row.margin) for b in others)
     return sum(run.cycles or 0 for run in runs)
 
 
@@ -272,9 +270,9 @@ def _cells(wanted: Wanted, row: WidthRow, measured: Measured | None) -> list[str
     return [
         str(row.width),
         _exactly(row.grid.resolution * wanted.unit),
-        "-" if row.margin is None else f"{row.margin:,}",
-        "-" if row.margin_bits is None else str(row.margin_bits),
-        "-" if row.band is None else f"{float(row.band * wanted.unit):.4g}",
+        f"{row.margin:,}",
+        str(row.margin_bits),
+        f"{float(row.band * wanted.unit):.4g}",
         "-" if measured is None else f"{measured.false_alarms:,}",
         "-" if measured is None else f"{measured.tested:,}",
         "-" if row.dsps is None else str(row.dsps),

@@ -359,7 +359,9 @@ class Interpreter:
         if length is not None:
             self.compensation = vector((Fraction(0), Fraction(0), length))
         elif number == 0 or self.loaded not in (None, number):
-            raise place.error(word.text, f"the length of tool {number} is not known: give a machine file")
+            raise place.error(
+                word.text, f"the length of tool {number} is not known: give it in a machine file"
+            )
         else:
             self.notes["length"] = f"line {self.line}: {word.text} is taken for the tool's true length"
 
@@ -387,7 +389,7 @@ class Interpreter:
 
     def _zero(self, place: Place, word: Word, system: str) -> Vector:
         if system not in self.zeros:
-            why = f"where {system} has its zero, only the machine knows: give a machine file"
+            why = f"where {system} has its zero, only the machine knows: give it in a machine file"
             self.refuse(place, word, why)
             # What comes of it counts for nothing; what else is not understood is looked for.
             self.zeros[system] = ORIGIN

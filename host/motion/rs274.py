@@ -197,7 +197,9 @@ class _Told:
     def _set_system(self, line: int, values: list[Fraction], numbers: list[Fraction]) -> None:
         system = SYSTEMS[int(numbers[0]) - 1]
         if system != "G54" and system not in self.machine.offsets:
-            raise ValueError(f"where {system} has its zero, only the machine knows: give a machine file")
+            raise ValueError(
+                f"where {system} has its zero, only the machine knows: give it in a machine file"
+            )
         self._set("system", line, values[1:], numbers[1:])
 
     def _joined(self, values: list[Fraction]) -> None:

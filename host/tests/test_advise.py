@@ -1,5 +1,6 @@
 """Advice on the width of a core: what it rests on is exact, and the smallest that will do is advised."""
 
+from dataclasses import replace
 from fractions import Fraction
 
 import numpy as np
@@ -7,6 +8,7 @@ import pytest
 
 from triaxis.fpga.board_build import Resources
 from triaxis.fpga.dsp_count import DspCount
+from triaxis.golden.errors import InputError
 from triaxis.golden.judge import CertificateError
 from triaxis.host.advice import widths
 from triaxis.host.advice.choosing import advise
@@ -14,7 +16,7 @@ from triaxis.host.advice.measuring import EngineShape, TooManyError, exact_near,
 from triaxis.host.advice.wanted import NamedMesh, Wanted, advice_scene
 from triaxis.host.advice.widths import Board, width_row, with_resources
 from triaxis.host.cli import main
-from triaxis.host.quantise import NOWHERE, Steps, vector
+from triaxis.host.quantise import NOWHERE, Steps, margin_for, vector
 from triaxis.host.scene import distance_of
 from triaxis.host.scenes import box, tool, vise, write_stl
 from triaxis.host.stl import StlMesh
@@ -103,15 +105,39 @@ def test_a_margin_that_does_not_cover_the_rounding_is_noticed(monkeypatch):
 
 
 def test_what_rules_a_width_out():
-    row = row_of(8, Wanted(Fraction(500), Fraction(1)))
-    assert (row.margin, row.band, row.dsps) == (None, None, None)
-    assert "clearance, 500 mm, is more than 8 bits" in row.problems[0]
     assert ["band" in problem for problem in row_of(13).problems] == [True]
     assert ["DSP blocks of 240" in problem for problem in row_of(18).problems] == [True]
     assert "does not fit M = 3" in row_of(16, board=Board(240, 4096, 8, margin_bits=3)).problems[0]
     row = row_of(16)
     assert row.meets and with_resources(row, Resources(240, 63_400, 126_800, 135)).meets
     assert len(with_resources(row, Resources(240, 63_401, 126_800, 135.5)).problems) == 2
+
+
+@pytest.mark.parametrize("travel", [(NOWHERE, NOWHERE), (NOWHERE, place(0, 0, 1))], ids=["still", "moving"])
+def test_a_grid_is_as_fine_as_volume_and_clearance_allow(travel):
+    """A clearance of more than the volume is the largest margin, or next to it."""
+    scene, clearance = scene_of_tool(travel=travel), Fraction(500)
+    row = row_of(8, Wanted(clearance, Fraction(10)), scene=scene)
+    assert row.meets and 250 < row.margin < 256 and row.band < 4 * row.grid.resolution
+    finer = row.grid.resolution * Fraction(98, 100)
+    with pytest.raises(InputError, match="use a coarser resolution"):
+        margin_for(clearance, replace(row.grid, resolution=finer), scene.reading(finer))
+
+
+def test_a_travel_to_one_place_is_a_move_that_is_rounded_by_itself():
+    there = place(0, 0, 0.25)
+    moved, travelled = scene_of_tool(there), scene_of_tool(travel=(there, there))
+    assert travelled.positions(4) == [there] and travelled.volume == moved.volume
+    assert travelled.reading(Fraction(1)) == moved.reading(Fraction(1)) + Fraction(1, 2)
+    found, wanted = (measure(one, row_of(13, scene=one), truths(one, NARROW)) for one in (travelled, moved))
+    assert found and wanted and found.tested >= wanted.tested > 0
+
+
+def test_points_that_are_one_are_near():
+    point = named("point", np.zeros((1, 3, 3), np.float32))
+    scene = advice_scene([point, point], NOWHERE, volume=(NOWHERE, place(9, 9, 9)))
+    (found,) = positions_of(scene, Wanted(Fraction(0), Fraction(1)), 1, lambda _: None)
+    assert found.truth and found.truth[0].near.tolist() == [0]
 
 
 def test_where_no_width_fits_the_reasons_say_what_to_change():
@@ -174,7 +200,7 @@ def test_the_command_advises(advise_files, tmp_path):
 
 @pytest.mark.long
 @pytest.mark.simulator
-def test_the_simulated_engine_keeps_within_the_bounds(advise_files, tmp_path):
+def test_the_simulated_engine_keeps_within_the_bounds(advise_files, tmp_path, rng):
     """The width that other tests have built, and meshes in parts."""
     written = tmp_path / "advice.json"
     words = ["--clearance", 0.5, "--band", "0.009", "--move", 10, 5, 0.25, "--margin-bits", 16]
@@ -183,6 +209,17 @@ def test_the_simulated_engine_keeps_within_the_bounds(advise_files, tmp_path):
     assert (code, report["chosen"]) == (0, 16)
     measured = next(row["measured"] for row in report["widths"] if row["width"] == 16)
     assert measured["parts"] == 6
+    assert measured["least_cycles"] <= report["cycles_simulated"] <= measured["most_cycles"]
+    # One facet between many: its group is nearly empty, all groups are opened, and no pair is tested.
+    write_stl(tmp_path / "tool.stl", np.array([[[-50, -50, 0], [50, -50, 0], [0, 50, 0]]], np.float32))
+    heights = np.where(np.arange(448) % 2, 4, -4)[:, None, None] * np.array([0, 0, 1])
+    between = rng.uniform(-1, 1, (448, 3, 3)) * (50, 50, 1) + heights
+    write_stl(tmp_path / "vise.stl", between.astype(np.float32))
+    words = ["--clearance", 0.5, "--band", "0.0065", "--margin-bits", 16, "--depth", 64, "--lanes", 8]
+    code, *_ = advise_files(*words, "--engine", "rtl", "--json", written)
+    report = read_published(written, "advice")
+    measured = next(row["measured"] for row in report["widths"] if row["width"] == 16)
+    assert (code, report["chosen"], measured["tested"]) == (0, 16, 0)
     assert measured["least_cycles"] <= report["cycles_simulated"] <= measured["most_cycles"]
 
 
