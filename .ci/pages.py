@@ -17,3 +17,8 @@ def on_files(files: Files, config: MkDocsConfig) -> Files:
             text = text.replace(f"]({other}", f"]({place}")
         files.append(File.generated(config, page, content=text))
     return files
+
+
+def on_page_markdown(markdown: str, **_: object) -> str:
+    """Let what links to the README, beside docs/, find it where it is on the site."""
+    return markdown.replace("](../README.md", "](index.md")

@@ -141,7 +141,7 @@ def _reason(log: Path, status: int) -> str:
     return f"no bitstream, exit status {status}"
 
 
-_SUFFIXES = (".xdc", ".tcl")
+_SUFFIXES, _OF_CORES = (".xdc", ".tcl"), "package_ip.tcl"
 
 
 @dataclass(frozen=True)
@@ -164,7 +164,8 @@ def file_hash(path: Path) -> str:
 
 def board_hash() -> str:
     """Return the hash of what surrounds the RTL of dut/: constraints and scripts."""
-    return content_hash(sorted(path for path in VIVADO.rglob("*") if path.suffix in _SUFFIXES))
+    files = (path for path in VIVADO.rglob("*") if path.suffix in _SUFFIXES and path.name != _OF_CORES)
+    return content_hash(sorted(files))
 
 
 def build_id(rtl_hash: str, board_hash: str) -> int:

@@ -84,13 +84,11 @@ def count_dsps(sources: Sequence[Path], include: Path, top: str, parameters: Map
 
 
 def compiled(sources: Sequence[Path], include: Path, top: str, parameters: Mapping[str, int]) -> Any:
-    """Return a module as slang elaborates it; raise InputError where pyslang is not installed."""
-    try:
-        import pyslang
-        from pyslang.ast import Compilation, CompilationOptions
-        from pyslang.syntax import SyntaxTree
-    except ImportError as error:
-        raise InputError("pyslang: not installed: run `make setup`") from error
+    """Return a module as slang elaborates it."""
+    import pyslang
+    from pyslang.ast import Compilation, CompilationOptions
+    from pyslang.syntax import SyntaxTree
+
     options = CompilationOptions()
     options.topModules = {top}
     options.paramOverrides = [f"{name}={value}" for name, value in parameters.items()]

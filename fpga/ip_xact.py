@@ -64,12 +64,19 @@ class Component:
 
     @property
     def streams(self) -> dict[str, dict[str, str]]:
-        """Return the ports of each stream: {"s_axis": {"TVALID": "s_axis_tvalid_i", ..}, ..}."""
-        found: dict[str, dict[str, str]] = {}
+        """Return the ports of each stream: {"s_axis": {"TVALID": "s_axis_tvalid_i", ..}, ..}.
+
+        TDATA is whole bytes in AXI4-Stream; where it is not, as in the mesh engine, the ports stand alone.
+        """
+        found: dict[str, dict[str, Port]] = {}
         for port in self.ports:
             if port.stream:
-                found.setdefault(port.stream[0], {})[port.stream[1]] = port.name
-        return found
+                found.setdefault(port.stream[0], {})[port.stream[1]] = port
+        return {
+            name: {role: port.name for role, port in ports.items()}
+            for name, ports in found.items()
+            if "TDATA" not in ports or (ports["TDATA"].left + 1) % 8 == 0
+        }
 
 
 def component(top: str, parameters: Mapping[str, int], dut: Path = DUT) -> Component:
@@ -84,11 +91,17 @@ def component(top: str, parameters: Mapping[str, int], dut: Path = DUT) -> Compo
     known = {one.name: _value(one) for one in body.parameters if not one.isLocalParam}
     if unknown := sorted(parameters.keys() - known.keys()):
         raise InputError(f"{top}: parameter {unknown[0]}: must be one of {', '.join(known)}")
+    for name, number in parameters.items():
+        if known[name] != number:
+            raise InputError(
+                f"{top}: parameter {name}={number}: it has too few bits, and would be {known[name]}"
+            )
     if errors := [one for one in compilation.getAllDiagnostics() if one.isError()]:
         from pyslang import DiagnosticEngine
 
-        said = DiagnosticEngine.reportAll(compilation.sourceManager, errors[:1]).strip()
-        raise InputError(f"{top}: these parameters do not fit: {said.splitlines()[0]}")
+        lines = DiagnosticEngine.reportAll(compilation.sourceManager, errors).splitlines()
+        said = [line for line in lines if "$fatal" in line] or [line for line in lines if "error:" in line]
+        raise InputError(f"{top}: these parameters do not fit: {said[0]}")
     ranges = [(one, one.type.fixedRange) for one in body.portList]
     ports = [Port(one.name, one.direction.name == "In", bits.left, bits.right) for one, bits in ranges]
     return Component(top, known, ports, sources, dut / "core")

@@ -39,7 +39,7 @@ def _root() -> Any:
         from peakrdl_regblock.udps import ALL_UDPS
         from systemrdl.compiler import RDLCompiler
     except ImportError as error:
-        raise InputError("registers: PeakRDL is not installed: `make regress` installs it") from error
+        raise InputError("registers: PeakRDL is absent: `make .venv/.ready-regress` installs it") from error
     compiler = RDLCompiler()
     # Properties that the maker of RTL asks for; none is used.
     for udp in ALL_UDPS:

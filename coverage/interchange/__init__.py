@@ -1,1 +1,1 @@
-"""Coverage for other tools: lcov tracefiles and UCIS XML."""
+"""Coverage for other tools: lcov tracefiles, UCIS XML and ReqIF."""

@@ -17,7 +17,7 @@ TESTS = 6
 
 
 def test_what_is_kept_is_what_the_description_makes():
-    pytest.importorskip("peakrdl_regblock", reason="PeakRDL is not installed: `make regress` installs it")
+    pytest.importorskip("peakrdl_regblock", reason="PeakRDL is absent: `make .venv/.ready-regress`")
     for path, text in register_files().items():
         assert path.read_text() == text, f"{path}: run `triaxis fpga registers`"
 
@@ -47,7 +47,7 @@ def test_the_header_compiles_and_makes_accesses_of_whole_words(language):
     ids=str,
 )
 def test_its_tests_pass(parameters, tmp_path, monkeypatch):
-    pytest.importorskip("peakrdl_pyuvm", reason="PeakRDL is not installed: `make regress` installs it")
+    pytest.importorskip("peakrdl_pyuvm", reason="PeakRDL is absent: `make .venv/.ready-regress`")
     assert main(["fpga", "registers", "--pyuvm", str(tmp_path)]) == DONE
     for name, value in toolchain.verilator().environment().items():
         monkeypatch.setenv(name, value)

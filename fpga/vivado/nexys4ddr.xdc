@@ -86,7 +86,7 @@ set_property PULLTYPE PULLDOWN [get_ports beyond_warn_o]
 # --- Asynchronous pins ---------------------------------------------------------------------------
 #
 # No clock outside relates to these. The button and the serial line go through synchronisers; a UART
-# samples in the middle of bits of 50 clocks; people look at LEDs and displays; and who reads go and stop
+# samples in the middle of bits of 25 clocks; people look at LEDs and displays; and who reads go and stop
 # waits until they differ, so their skew of some nanoseconds does not matter.
 
 set_false_path -from [get_ports {cpu_reset_ni uart_rx_i}]

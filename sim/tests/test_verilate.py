@@ -267,7 +267,7 @@ def test_the_first_pair_in_cocotb(tmp_path, monkeypatch):
 def test_fusesoc(tmp_path, target):
     fusesoc = executable("fusesoc")
     if not fusesoc.exists():
-        pytest.skip("fusesoc is not installed: `make regress` installs it")
+        pytest.skip("fusesoc is absent: `make .venv/.ready-regress`")
     tool = toolchain.verilator()
     command = [fusesoc, "--cores-root", DUT.parent, "run", f"--target={target}", "triaxis"]
     done = subprocess.run(

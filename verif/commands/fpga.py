@@ -136,7 +136,7 @@ def _gating(rtl: str) -> str:
 def add_timing(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of ``fpga timing``."""
     parser.description = (
-        f"Place and route the core at W = {_WIDTH}, M = 0 on an {PART} with open tools, as a proxy for its "
+        f"Place and route the core at W = {_WIDTH}, M = 0 on a {PART} with open tools, as a proxy for its "
         f"timing; takes many minutes. It must reach {TARGET_MHZ:g} MHz. Writes build/fpga/timing.json."
     )
     add_seed(parser, "of the placement")
@@ -203,6 +203,8 @@ def _ip(options: argparse.Namespace) -> int:
         name, _, number = text.partition("=")
         if not (name.isidentifier() and number.isascii() and number.isdecimal() and len(number) < 10):
             raise InputError(f"{text}: must be NAME=NUMBER, as W=16")
+        if name in parameters:
+            raise InputError(f"{text}: {name} is given twice")
         parameters[name] = int(number)
     one = ip_xact.component(options.top, parameters)
     folder: Path = options.out or BUILD / "fpga" / "ip" / options.top
@@ -217,7 +219,7 @@ def _ip(options: argparse.Namespace) -> int:
 
 def add_registers(parser: argparse.ArgumentParser) -> None:
     """Make what fpga/soc/triaxis_soc.rdl describes: the RTL of its registers, docs/triaxis_soc.h,
-    docs/registers.md. Needs PeakRDL, which `make regress` installs.
+    docs/registers.md. Needs PeakRDL, which `make .venv/.ready-regress` installs.
     """
     parser.add_argument(
         "--pyuvm",

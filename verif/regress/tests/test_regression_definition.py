@@ -50,7 +50,7 @@ def test_nightly_is_no_less_than_the_signoff_and_no_two_runs_share_a_seed(defini
 
 def test_dvsim_runs_each_test_in_its_own_configuration(definition, tmp_path):
     """The contract with dvsim: what it makes of the file and of our view of the testplan."""
-    dvsim = pytest.importorskip("dvsim.testplan", reason="dvsim is not installed: `make regress` installs it")
+    dvsim = pytest.importorskip("dvsim.testplan", reason="dvsim is absent: `make .venv/.ready-regress`")
     view = tmp_path / "testplan.hjson"
     write_view(view, list(definition.items.values()))
     points = dvsim.Testplan(str(view), tmp_path, "triaxis").testpoints
