@@ -1,4 +1,4 @@
-"""Style, types, imports, testplan: Verilator, verible; ruff, import-linter, basedpyright."""
+"""Style, types, imports, testplan: Verilator, verible, slang; ruff, import-linter, basedpyright."""
 
 import argparse
 import json
@@ -9,7 +9,11 @@ import sys
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import partial
 from pathlib import Path
+from typing import Any
 
+from triaxis.fpga.board_build import TOP as BOARD
+from triaxis.fpga.board_build import bitstream_sources
+from triaxis.fpga.dsp_count import compiled
 from triaxis.fpga.gowin_timing import HARNESS as TIMING_HARNESS
 from triaxis.fpga.gowin_timing import TOP as TIMING_TOP
 from triaxis.fpga.register_block import REGISTERS_RTL, SOC_RTL
@@ -48,6 +52,26 @@ _BOARD_BUILDS = (
 )
 _SOC_BUILDS = ({"W": 16}, {"W": 32, "M": 0, "Depth": 32768}, {"W": 8, "M": 1, "Depth": 64, "Certify": 0})
 
+# What no synthesis may merge, remove or move, by its place in the board's top: what is there twice, so that
+# one half finds what goes wrong in the other; the registers of go and stop; synchronisers.
+_TWICE = (
+    "g_watchdog[{}].u_watchdog",
+    "g_runner[{}].u_runner",
+    "g_safety[{}].u_safety",
+    "u_mesh.g_walk[{}].u_walk",
+    "u_mesh.u_store_a.g_intake[{}].u_intake",
+    "u_mesh.u_store_b.g_intake[{}].u_intake",
+)
+_KEPT = {
+    **{place.format(k): {"keep_hierarchy": "yes", "dont_touch": "yes"} for place in _TWICE for k in range(2)},
+    **{
+        f"g_safety[{k}].u_safety.{register}": {"keep": "true", "dont_touch": "true"}
+        for k in range(2)
+        for register in ("go_q", "stop_q")
+    },
+    "u_reset.stage_q": {"ASYNC_REG": "TRUE"},
+    "u_receiver.u_uart.line_q": {"ASYNC_REG": "TRUE"},
+}
 
 # A finding of Verilator, or of verible, which names the place first; what else they print explains it.
 _FINDING = re.compile(r"%(?:Warning|Error)[^:]*: (?!Exiting)|\S+\.svh?:")
@@ -81,9 +105,31 @@ def rtl_linters() -> dict[str, list[str]]:
         files = map(str, [*rtl_sources(), *sources])
         command = [*elaboration(top, parameters), "--lint-only", "-Wall", *files]
         found[f"verilator -Wall {top} {name}".rstrip()] = command
+    found["kept in synthesis"] = [sys.executable, "-m", "triaxis.verif.lint", "--kept"]
     found["verible lint"] = [_bin("verible-verilog-lint"), *_systemverilog()]
     found["verible format"] = [*_verible_format(), "--verify"]
     return found
+
+
+def not_kept(dut: Path = DUT) -> list[str]:
+    """Return what of the board lacks the attributes by which synthesis keeps it, a line each."""
+    compilation = compiled(bitstream_sources(dut), dut / "core", BOARD, {})
+    (top,) = compilation.getRoot().topInstances
+    found: dict[str, dict[str, str]] = {}
+
+    def visit(symbol: Any) -> None:
+        for attribute in compilation.getAttributes(symbol) if hasattr(symbol, "hierarchicalPath") else ():
+            number = int(attribute.value.value)
+            text = number.to_bytes((number.bit_length() + 7) // 8).decode(errors="replace")
+            found.setdefault(symbol.hierarchicalPath.removeprefix(f"{BOARD}."), {})[attribute.name] = text
+
+    top.visit(visit)
+    return [
+        f"{BOARD}.sv: {place}: must have {name} = {value}"
+        for place, wanted in _KEPT.items()
+        for name, value in wanted.items()
+        if found.get(place, {}).get(name) != value
+    ]
 
 
 def _systemverilog() -> list[str]:
@@ -176,8 +222,13 @@ def main() -> int:
     """Run from the command line; exit code 0 clean, 1 not, 2 error."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--fix", action="store_true", help="format the RTL and the Python code")
+    parser.add_argument("--kept", action="store_true", help="look at what synthesis is to keep, alone")
+    options = parser.parse_args()
     try:
-        return 0 if lint(parser.parse_args().fix) else 1
+        if options.kept:
+            print("\n".join(found := not_kept()))
+            return 1 if found else 0
+        return 0 if lint(options.fix) else 1
     except InputError as error:
         print(f"lint: error: {error}", file=sys.stderr)
         return 2

@@ -4,6 +4,7 @@ opens for a sign-off of this very RTL that passed, and for nothing else.
 
 import json
 import re
+import shutil
 import time
 from dataclasses import replace
 from threading import Event
@@ -16,7 +17,7 @@ from triaxis.sim.build import content_hash, rtl_hash
 from triaxis.sim.paths import DUT
 from triaxis.sim.programs import yosys_version
 from triaxis.sim.validity import Sources, validity
-from triaxis.verif.lint import lint_rtl, rtl_linters
+from triaxis.verif.lint import lint_rtl, not_kept, rtl_linters
 from triaxis.verif.mutation.equivalence import evidence_hash
 from triaxis.verif.mutation.killers import killers_hash
 from triaxis.verif.mutation.record import FILE as RECORD
@@ -519,3 +520,24 @@ def test_page_stands_alone_and_tells_every_problem_and_every_absent_part():
     assert all(problem.partition(":")[0] in page for problem in signed(broken).problems)
     page = page_of(signed({name: Part(None, f"{name} is not there") for name in broken}))
     assert all(f"not measured: {name} is not there" in page for name in broken)
+
+
+@pytest.mark.parametrize(
+    ("file", "attribute", "said"),
+    [
+        ("board/triaxis_reset_sync.sv", 'ASYNC_REG = "TRUE"', "u_reset.stage_q: must have ASYNC_REG = TRUE"),
+        ("board/triaxis_safety.sv", 'keep = "true", dont_touch = "true"', "go_q: must have keep = true"),
+        (
+            "mesh/triaxis_mesh.sv",
+            'keep_hierarchy = "yes"',
+            "u_walk: must have keep_hierarchy = yes",
+        ),
+    ],
+)
+def test_what_synthesis_is_to_keep_is_looked_at(tmp_path, file, attribute, said):
+    assert not_kept() == []
+    shutil.copytree(DUT, tmp_path / "dut")
+    path = tmp_path / "dut" / file
+    path.write_text(path.read_text().replace(attribute, "other", 1))
+    found = not_kept(tmp_path / "dut")
+    assert any(said in line for line in found), found
