@@ -10,12 +10,13 @@ from triaxis.coverage.counts import Counts
 from triaxis.coverage.report import IllegalHit, ItemReport, ModelReport
 from triaxis.golden.errors import InputError
 from triaxis.sim.configuration import Configuration
+from triaxis.sim.mesh_engine import MeshEngine
 from triaxis.sim.validity import validity
 from triaxis.verif.core.detector_check import DetectorResult
 from triaxis.verif.core.solver_check import SolverResult
 from triaxis.verif.regress.coverage_models import merge_coverage
 from triaxis.verif.signoff.plan import VOLUME, plan
-from triaxis.verif.signoff.scene_checks import SceneResult
+from triaxis.verif.signoff.scene_checks import SceneResult, check_sizes
 from triaxis.verif.signoff.simulation import SOURCES, SimulationResult
 from triaxis.verif.testbench.settings import BURST, PIN, Block, coverage_file
 from triaxis.verif.testbench.simulation import RunResult, run_settings
@@ -122,3 +123,12 @@ def test_coverage_of_another_model_ends_the_signoff(tmp_path):
     for message, folder in wrong.items():
         with pytest.raises(InputError, match=message):
             merge_coverage(tmp_path, ["w16_m0"], [("w16_m0", folder)])
+
+
+@pytest.mark.long
+@pytest.mark.simulator
+def test_sizes_between_are_decided_and_a_wrong_count_is_seen(monkeypatch):
+    assert all(scene.passed for scene in check_sizes())
+    run = MeshEngine.run
+    monkeypatch.setattr(MeshEngine, "run", lambda *words: replace(run(*words), near_count=0))
+    assert [scene.passed for scene in check_sizes()] == [*[False] * 9, True]
