@@ -120,8 +120,12 @@ def results_beside() -> dict[str, Part]:
 
 
 def _synthesiser(evidence: Evidence) -> dict[str, str]:
-    """Return what names the synthesiser in a result, as today's would be named."""
-    return {name: yosys_version() for name in ("synthesiser", "elaborated_by") if name in evidence}
+    """Return what names the synthesiser in a result, as today's would be: as nothing where it is absent."""
+    names = [name for name in ("synthesiser", "elaborated_by") if name in evidence]
+    try:
+        return {name: yosys_version() for name in names}
+    except InputError:
+        return dict.fromkeys(names, "")
 
 
 def make_beside(seed: int, progress: Progress) -> dict[str, Part]:

@@ -33,6 +33,9 @@ def export(*arguments: object) -> None:
     assert options.run(options) == 0
 
 
+EVIDENCE = {"rtl_hash": HERE, "passed": True, "problems": [], "summary": "", "seconds": 1.0}
+
+
 def change(path: Path, **changes: object) -> None:
     """Change a result; None takes a key out."""
     content = {**json.loads(path.read_text()), **changes}
@@ -52,7 +55,7 @@ def saved(path: Path, rng: np.random.Generator) -> Path:
         database.add(Counts(model.name, model.hash, hits))
     path.parent.mkdir()
     database.save(path)
-    result = {"rtl_hash": HERE, "passed": False, "command": "triaxis signoff", "seed": 1}
+    result = {**EVIDENCE, "passed": False, "command": "triaxis signoff", "seed": 1}
     path.with_name("signoff.json").write_text(json.dumps(result))
     return path
 
@@ -67,7 +70,7 @@ def checkout(tmp_path: Path, rng: np.random.Generator, monkeypatch: pytest.Monke
     write_counters(tmp_path / "w16_m0.dat", source, {FIRST: range(len(BINS)), SECOND: range(len(BINS))})
     write_counters(tmp_path / "w8_m8.dat", source, {FIRST: range(len(BINS))})
     runs = [{"model": "w16_m0"}, {"model": "w8_m8"}]
-    code = {"rtl_hash": HERE, "passed": True, "command": "triaxis coverage code", "runs": runs}
+    code = {**EVIDENCE, "command": "triaxis coverage code", "runs": runs}
     (tmp_path / CODE).write_text(json.dumps(code))
     monkeypatch.setattr(coverage, "rtl_hash", lambda: HERE)
     places = {"ROOT": "", "COUNTERS": "", "RESULT": CODE, "LCOV": "triaxis.info", "UCIS": "triaxis.ucis.xml"}
