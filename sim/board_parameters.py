@@ -12,7 +12,7 @@ MOST_BOARD_DEPTH = 32768
 
 # The top's own times, with which the board ships: its header says what they are.
 TOP_TIMES = {
-    "clocks_per_bit": 25,
+    "clocks_per_three_bits": 25,
     "watchdog_clocks": 10_000_000,
     "hold_clocks": 100_000,
     "digit_clocks": 12_500,
@@ -34,7 +34,7 @@ class BoardParameters:
     depth: int = 64
     group: int = 8
     lanes: int = 8
-    clocks_per_bit: int = 4
+    clocks_per_three_bits: int = 12
     watchdog_clocks: int = 10_000_000
     hold_clocks: int = 100_000
     build_id: int = 0
@@ -46,8 +46,8 @@ class BoardParameters:
         """Check the limits that the RTL checks at elaboration."""
         if self.engine.depth > MOST_BOARD_DEPTH:
             raise InputError(f"depth {self.depth}: must be at most {MOST_BOARD_DEPTH} on the board")
-        if self.clocks_per_bit < 4:
-            raise InputError(f"clocks per bit {self.clocks_per_bit}: must be at least 4")
+        if self.clocks_per_three_bits < 12:
+            raise InputError(f"clocks per three bits {self.clocks_per_three_bits}: must be at least 12")
 
     @property
     def name(self) -> str:
@@ -85,7 +85,7 @@ class BoardParameters:
         return {
             **self.sizes,
             "Certify": int(self.certify),
-            "ClocksPerBit": self.clocks_per_bit,
+            "ClocksPerThreeBits": self.clocks_per_three_bits,
             "WatchdogClocks": self.watchdog_clocks,
             "HoldClocks": self.hold_clocks,
             "BuildId": self.build_id,
@@ -97,7 +97,7 @@ class BoardParameters:
 _NAME = re.compile(r"board_w(\d+)_m(\d+)_d(\d+)_g(\d+)_l(\d+)(_plain)?(_real)?")
 # In which times are short enough to be waited for again and again, and no powers of two, by which a counter
 # could be right without being asked; the number has bytes that framing escapes.
-_TIMES = {"watchdog_clocks": 60_000, "hold_clocks": 1_700, "clocks_per_bit": 6, "digit_clocks": 15}
+_TIMES = {"watchdog_clocks": 60_000, "hold_clocks": 1_700, "clocks_per_three_bits": 19, "digit_clocks": 15}
 _BUILD_ID = 0xC0DBDCDD
 
 

@@ -44,13 +44,13 @@ struct Sender {
     std::deque<uint8_t> queue;
     uint32_t frame = 0;  // bits left of the byte on the line, lowest first
     int bits = 0;
-    int clocks = 0;  // left of the bit on the line
+    int thirds = 0;  // of clocks, left of the bit on the line; less than a clock is the next bit's
     bool level = true;
 
-    bool Idle() const { return queue.empty() && bits == 0 && clocks == 0; }
+    bool Idle() const { return queue.empty() && bits == 0 && thirds < 3; }
 
     bool Next() {
-        if (clocks == 0) {
+        if (thirds < 3) {
             if (bits == 0 && !queue.empty()) {
                 frame = uint32_t{queue.front()} << 1 | 1u << 9;
                 queue.pop_front();
@@ -60,12 +60,13 @@ struct Sender {
                 level = frame & 1;
                 frame >>= 1;
                 --bits;
-                clocks = CLOCKS_PER_BIT;
+                thirds += CLOCKS_PER_THREE_BITS;
             } else {
                 level = true;
+                thirds = 0;
             }
         }
-        if (clocks > 0) --clocks;
+        if (thirds >= 3) thirds -= 3;
         return level;
     }
 };
@@ -76,22 +77,21 @@ struct Receiver {
     enum Seen { kNothing, kStarted, kByte, kBroken };
 
     int bit = kIdle;
-    int clocks = 0;
+    int clocks = 0;  // since the line fell
     uint8_t byte = 0;
 
     Seen Take(bool level) {
         if (bit == kIdle) {
             if (level) return kNothing;
             bit = kStart;
-            clocks = CLOCKS_PER_BIT / 2 - 1;
+            clocks = 0;
             return kNothing;
         }
         if (bit == kLow) {
             if (level) bit = kIdle;
             return kNothing;
         }
-        if (clocks-- > 0) return kNothing;
-        clocks = CLOCKS_PER_BIT - 1;
+        if (++clocks < (2 * (bit + 1) + 1) * CLOCKS_PER_THREE_BITS / 6) return kNothing;
         if (bit == kStart) {
             bit = level ? kIdle : 0;
             return level ? kNothing : kStarted;
@@ -106,7 +106,7 @@ struct Receiver {
     }
 
    private:
-    static constexpr int kIdle = -1, kStart = -2, kLow = -3;
+    static constexpr int kStart = -1, kIdle = -2, kLow = -3;
 };
 
 }  // namespace
@@ -326,7 +326,7 @@ void triaxis_send(void* player, const uint8_t* bytes, int64_t n) {
 // Bytes queued and not yet wholly on the line.
 int64_t triaxis_pending(void* player) {
     const Sender& sender = Of(player).sender;
-    return static_cast<int64_t>(sender.queue.size()) + (sender.bits > 0 || sender.clocks > 0);
+    return static_cast<int64_t>(sender.queue.size()) + (sender.bits > 0 || sender.thirds >= 3);
 }
 
 // Takes up to n bytes that the board has sent.

@@ -43,7 +43,7 @@ class Configuration:
             raise InputError(
                 f"margin bits {self.margin_bits}: must be 0..{self.width} for width {self.width}"
             )
-        # The RTL takes any width; the environment keeps a tag in 64 bits.
+        # The environment keeps all that is sent with a pair in as many bits.
         most = MOST_TAG_BITS - (self.sent_bits - self.tag_bits)
         if not 1 <= self.tag_bits <= most:
             raise InputError(f"tag bits {self.tag_bits}: must be 1..{most}")

@@ -72,7 +72,7 @@ def read_evidence(path: Path) -> dict[str, Any] | None:
         content = json.loads(path.read_text(encoding="utf-8"))
     except FileNotFoundError:
         return None
-    except (OSError, ValueError) as error:
+    except (OSError, ValueError, RecursionError) as error:
         raise InputError(f"{path}: not readable as evidence: {error}") from error
     if not isinstance(content, dict) or any(key not in content for key in _REQUIRED):
         raise InputError(f"{path}: not evidence: it needs {', '.join(_REQUIRED)}")

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from triaxis.golden.errors import InputError
 from triaxis.golden.pairs import check_width
 
-# What is simulated; the RTL takes larger groups, more lanes and wider counters.
+# All that is simulated, and all that the RTL takes.
 MOST_DEPTH, MOST_GROUP, MOST_LANES = 65536, 64, 32
 LEAST_CYCLE_BITS, MOST_CYCLE_BITS = 2, 64
 

@@ -83,7 +83,10 @@ def board_build(parameters: BoardParameters, dut: Path = DUT) -> Build:
 
     It runs for millions of clocks on a changed copy, too.
     """
-    defines = {"CLOCKS_PER_BIT": parameters.clocks_per_bit, "DIGIT_CLOCKS": parameters.digit_clocks}
+    defines = {
+        "CLOCKS_PER_THREE_BITS": parameters.clocks_per_three_bits,
+        "DIGIT_CLOCKS": parameters.digit_clocks,
+    }
     return Build(
         parameters.name, BOARD_TOP, parameters.rtl,
         (*rtl_sources(dut), *mesh_sources(dut), *board_sources(dut)), (SIM / "board_player.cpp",),

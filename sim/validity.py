@@ -2,7 +2,8 @@
 
 A method names the modules that its results come from. What these import, wherever it lies, counts with them,
 and so does the compiled code in the folders of all of these. Nothing else counts: where the command line or a
-report changes, every result stands.
+report changes, every result stands. What a run is of must stand until it ends: an edit is known, however soon
+it was taken back.
 """
 
 import ast
@@ -12,7 +13,9 @@ from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 
-from triaxis.sim.build import content_hash, rtl_hash
+from triaxis.golden.errors import InputError
+from triaxis.golden.native import written
+from triaxis.sim.build import content_hash, rtl_files, rtl_hash
 from triaxis.sim.paths import DUT, ROOT
 from triaxis.sim.toolchain import verilator
 
@@ -140,6 +143,41 @@ def provenance(sources: Sources) -> Provenance:
     changed = git("status", "--porcelain")
     clean = None if changed is None else not changed
     return Provenance(**vars(validity(sources)), git_commit=git("rev-parse", "HEAD"), git_clean=clean)
+
+
+_State = dict[Path, tuple[int, int] | None]
+
+
+@dataclass(frozen=True)
+class Standing:
+    """What a run is of, taken before anything of it runs. ``valid_for``: what its result is valid for."""
+
+    valid_for: Provenance
+    _sources: Sources
+    _dut: Path
+    _state: _State
+
+    @property
+    def stands(self) -> bool:
+        """Return whether none of its files was written to since, and none is new or gone."""
+        return _state(self._sources, self._dut) == self._state
+
+    def check(self) -> None:
+        """Raise InputError where it does not stand."""
+        if not self.stands:
+            raise InputError("the RTL, or its environment, was written to during the run: run again")
+
+
+def standing(sources: Sources, dut: Path = DUT) -> Standing:
+    """Return how the files of ``sources``, and the RTL, stand now."""
+    # First: what is written to while it is hashed is another afterwards.
+    state = _state(sources, dut)
+    return Standing(provenance(sources), sources, dut, state)
+
+
+def _state(sources: Sources, dut: Path) -> _State:
+    files = [*rtl_files(dut), *sources.files()]
+    return dict(zip(files, written(files), strict=True))
 
 
 def git(*arguments: str) -> str | None:

@@ -45,7 +45,7 @@ _MESH_BUILDS = (
     MeshConfiguration(16, 16, depth=2, group=1, lanes=1, certified=True),
 )
 _BOARD_BUILDS = (
-    BoardParameters(depth=4096, clocks_per_bit=25),
+    BoardParameters(depth=4096, clocks_per_three_bits=25),
     BoardParameters(32, 32),
     BoardParameters(13, 1, depth=128, group=16, lanes=4),
     BoardParameters(8, 0),

@@ -58,7 +58,9 @@ class _WatchedLine(SimulatedLine):
 
     def send(self, data: bytes) -> None:
         if not self.frames:
-            self.heard_at = self._top.go_clocks + 10 * self._top.parameters.clocks_per_bit * len(data)
+            self.heard_at = (
+                self._top.go_clocks + 10 * self._top.parameters.clocks_per_three_bits * len(data) // 3
+            )
         self.frames += 1
         super().send(data)
 

@@ -22,7 +22,7 @@ module nexys4ddr_top
     parameter int unsigned Group = 8,
     parameter int unsigned Lanes = 8,
     parameter bit Certify = 1'b1,  // as in triaxis_mesh
-    parameter int unsigned ClocksPerBit = 25,  // 4,000,000 baud
+    parameter int unsigned ClocksPerThreeBits = 25,  // 12,000,000 baud
     parameter int unsigned WatchdogClocks = 10_000_000,  // 100 ms
     parameter int unsigned HoldClocks = ClocksPerMs,  // of a run's hold: 1 ms
     parameter int unsigned BeatClocks = 50_000,  // 1 kHz
@@ -62,9 +62,6 @@ module nexys4ddr_top
   if (Depth > 32768) begin : g_bad_depth
     $fatal(1, "Depth must be at most 32,768: counts of triangles have 16 bits on the link");
   end
-  if (Group > 255) begin : g_bad_group
-    $fatal(1, "Group must be at most 128: it has 8 bits on the link");
-  end
   if (HoldClocks == 0) begin : g_bad_hold
     $fatal(1, "HoldClocks must be at least 1");
   end
@@ -88,7 +85,7 @@ module nexys4ddr_top
   byte_t frame_data;
 
   triaxis_receiver #(
-      .ClocksPerBit(ClocksPerBit)
+      .ClocksPerThreeBits(ClocksPerThreeBits)
   ) u_receiver (
       .clk_i(clk_100mhz_i),
       .rst_ni(rst_n),
@@ -420,8 +417,8 @@ module nexys4ddr_top
   );
 
   triaxis_transmitter #(
-      .IndexWidth  (IndexWidth),
-      .ClocksPerBit(ClocksPerBit)
+      .IndexWidth(IndexWidth),
+      .ClocksPerThreeBits(ClocksPerThreeBits)
   ) u_transmitter (
       .clk_i(clk_100mhz_i),
       .rst_ni(rst_n),

@@ -7,7 +7,7 @@
 module triaxis_receiver
   import triaxis_board_pkg::*;
 #(
-    parameter int unsigned ClocksPerBit = 25
+    parameter int unsigned ClocksPerThreeBits = 25
 ) (
     input logic clk_i,
     input logic rst_ni,
@@ -26,7 +26,7 @@ module triaxis_receiver
   byte_t line_data, slip_data;
 
   triaxis_uart_rx #(
-      .ClocksPerBit(ClocksPerBit)
+      .ClocksPerThreeBits(ClocksPerThreeBits)
   ) u_uart (
       .clk_i,
       .rst_ni,

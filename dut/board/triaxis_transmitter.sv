@@ -7,8 +7,8 @@
 module triaxis_transmitter
   import triaxis_board_pkg::*;
 #(
-    parameter int unsigned IndexWidth   = 12,
-    parameter int unsigned ClocksPerBit = 25
+    parameter int unsigned IndexWidth = 12,
+    parameter int unsigned ClocksPerThreeBits = 25
 ) (
     input logic clk_i,
     input logic rst_ni,
@@ -58,7 +58,7 @@ module triaxis_transmitter
   );
 
   triaxis_uart_tx #(
-      .ClocksPerBit(ClocksPerBit)
+      .ClocksPerThreeBits(ClocksPerThreeBits)
   ) u_uart (
       .clk_i,
       .rst_ni,

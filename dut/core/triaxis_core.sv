@@ -47,8 +47,8 @@ module triaxis_core
     verdict_t verdict;
   } result_t;
 
-  if (TAG == 0) begin : g_bad_tag
-    $fatal(1, "TAG must be at least 1");
+  if (TAG == 0 || TAG > 64) begin : g_bad_tag
+    $fatal(1, "TAG must be 1..64");
   end
 
   logic accept, deliver;

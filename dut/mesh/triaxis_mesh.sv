@@ -106,11 +106,14 @@ module triaxis_mesh
       )) begin : g_bad_powers
     $fatal(1, "Depth, Group and Lanes must be powers of two");
   end
-  if (Lanes > Group || Group * Lanes > Depth || Depth < 2 || Depth > 65536) begin : g_bad_sizes
-    $fatal(1, "Lanes must be at most Group, Group * Lanes at most Depth, Depth 2..65536");
+  if (Lanes > Group || Group * Lanes > Depth) begin : g_bad_sizes
+    $fatal(1, "Lanes must be at most Group, Group * Lanes at most Depth");
   end
-  if (CycleBits < 2) begin : g_bad_cycles
-    $fatal(1, "CycleBits must be at least 2");
+  if (Depth < 2 || Depth > 65536 || Group > 64 || Lanes > 32) begin : g_bad_range
+    $fatal(1, "Depth must be 2..65536, Group at most 64, Lanes at most 32");
+  end
+  if (CycleBits < 2 || CycleBits > 64) begin : g_bad_cycles
+    $fatal(1, "CycleBits must be 2..64");
   end
 
   // --- The meshes ---------------------------------------------------------------------------------------

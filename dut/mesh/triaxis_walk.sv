@@ -482,7 +482,8 @@ module triaxis_walk
     core_valid_o,
     core_valid_o ? {core_pair_o, core_a_o, core_b_o} : (18 * W + 2 * IndexWidth)'(0),
     core_valid_o ? core_zone_o : ZoneMargin,
-    verdict_ready_o,
+    // What it hangs on is told with a verdict alone.
+    verdict_valid_i && verdict_ready_o,
     m_axis_near_tvalid_o,
     m_axis_near_tvalid_o ? m_axis_near_tdata_o : (2 * IndexWidth)'(0),
     cycles_o,

@@ -26,7 +26,7 @@ class SessionLostError(LinkError):
     """The board stands elsewhere than the host thinks; starting again from HELLO may help."""
 
 
-BAUD = 4_000_000
+BAUD = 12_000_000
 # So long a silence is short against every time limit of the link.
 _SLICE_SECONDS = 0.002
 _WRITE_SECONDS = 2.0

@@ -98,7 +98,7 @@ class BoardTest(EnvironmentTest):
 
     def fast_model(self) -> BoardBfm:
         """Return the board's model."""
-        return BoardBfm(self.settings.board_parameters.clocks_per_bit)
+        return BoardBfm(self.settings.board_parameters.clocks_per_three_bits)
 
     async def traffic(self) -> None:
         """Run `stimulus`; a reply too many would show after it."""

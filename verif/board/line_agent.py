@@ -85,10 +85,12 @@ class _Wait:
 class BoardBfm(FastModel[BoardPlayer]):  # pyright: ignore[reportInvalidTypeArguments]
     """The board's model: it runs while someone waits for it."""
 
-    def __init__(self, clocks_per_bit: int, make: Callable[[Path, int, int], Any] = BoardPlayer) -> None:
+    def __init__(
+        self, clocks_per_three_bits: int, make: Callable[[Path, int, int], Any] = BoardPlayer
+    ) -> None:
         """Nobody is told of anything yet. ``make``: see `FastModel`; on pins, see pin_agents.py."""
         super().__init__(make)
-        self._clocks_per_bit = clocks_per_bit
+        self._clocks_per_three_bits = clocks_per_three_bits
         self.publish: Any = None
         self._wait: _Wait | None = None
         self._heard = bytearray()
@@ -156,7 +158,9 @@ class BoardBfm(FastModel[BoardPlayer]):  # pyright: ignore[reportInvalidTypeArgu
             (self.player.break_line if item.act is Act.BREAK else self.player.glitch)(item.clocks)
         self.player.send(item.data)
         if item.until is not Until.NOW:
-            await self.wait(item.until, self._clocks_per_bit * (_PATIENCE + _BYTE * len(item.data)))
+            await self.wait(
+                item.until, self._clocks_per_three_bits * (_PATIENCE + _BYTE * len(item.data)) // 3
+            )
         if item.gap:
             await self.clocks(item.gap)
         item.replies = self.replies

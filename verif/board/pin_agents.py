@@ -46,21 +46,22 @@ _AT_POWER_UP = {
 class Sender:
     """Puts bytes on the board's line: 8N1, lowest bit first."""
 
-    def __init__(self, clocks_per_bit: int) -> None:
+    def __init__(self, clocks_per_three_bits: int) -> None:
         """Start with an idle line."""
         self.queue: deque[int] = deque()
-        self._clocks_per_bit = clocks_per_bit
+        self._clocks_per_three_bits = clocks_per_three_bits
         self.unplug()
 
     def unplug(self) -> None:
         """Drop all; the line goes idle."""
         self.queue = deque()
-        self._frame, self._bits, self._clocks, self._level = 0, 0, 0, 1
+        # Thirds of clocks left of the bit on the line; less than a clock is the next bit's.
+        self._frame, self._bits, self._thirds, self._level = 0, 0, 0, 1
 
     @property
     def under_way(self) -> bool:
         """Return whether a byte is on the line."""
-        return self._bits > 0 or self._clocks > 0
+        return self._bits > 0 or self._thirds >= 3
 
     @property
     def idle(self) -> bool:
@@ -69,21 +70,21 @@ class Sender:
 
     def next(self) -> int:
         """Return the level of the next clock."""
-        if not self._clocks:
+        if self._thirds < 3:
             if not self._bits and self.queue:
                 self._frame, self._bits = self.queue.popleft() << 1 | 1 << 9, _BITS
             if self._bits:
                 self._level, self._frame = self._frame & 1, self._frame >> 1
                 self._bits -= 1
-                self._clocks = self._clocks_per_bit
+                self._thirds += self._clocks_per_three_bits
             else:
-                self._level = 1
-        if self._clocks:
-            self._clocks -= 1
+                self._level, self._thirds = 1, 0
+        if self._thirds >= 3:
+            self._thirds -= 3
         return self._level
 
 
-_IDLE, _START, _LOW = -1, -2, -3
+_START, _IDLE, _LOW = -1, -2, -3
 _NOTHING, _STARTED, _BYTE, _BROKEN = range(4)
 
 
@@ -94,9 +95,9 @@ class Receiver:
     broken, once for however long the line stays low.
     """
 
-    def __init__(self, clocks_per_bit: int) -> None:
+    def __init__(self, clocks_per_three_bits: int) -> None:
         """Start at an idle line."""
-        self._clocks_per_bit = clocks_per_bit
+        self._clocks_per_three_bits = clocks_per_three_bits
         self.reset()
 
     def reset(self) -> None:
@@ -107,16 +108,15 @@ class Receiver:
         """Take the level of a clock; return what came of it."""
         if self._bit == _IDLE:
             if not level:
-                self._bit, self._clocks = _START, self._clocks_per_bit // 2 - 1
+                self._bit, self._clocks = _START, 0
             return _NOTHING
         if self._bit == _LOW:
             if level:
                 self._bit = _IDLE
             return _NOTHING
-        self._clocks -= 1
-        if self._clocks >= 0:
+        self._clocks += 1
+        if self._clocks < (2 * (self._bit + 1) + 1) * self._clocks_per_three_bits // 6:
             return _NOTHING
-        self._clocks = self._clocks_per_bit - 1
         if self._bit == _START:
             self._bit = _IDLE if level else 0
             return _NOTHING if level else _STARTED
@@ -135,9 +135,9 @@ class PinPlayer:
         """Take hold of the pins; the first `run` powers the board up."""
         self._dut = dut
         self._digit_clocks = parameters.digit_clocks
-        self._sender = Sender(parameters.clocks_per_bit)
-        self._to_board = Receiver(parameters.clocks_per_bit)
-        self._from_board = Receiver(parameters.clocks_per_bit)
+        self._sender = Sender(parameters.clocks_per_three_bits)
+        self._to_board = Receiver(parameters.clocks_per_three_bits)
+        self._from_board = Receiver(parameters.clocks_per_three_bits)
         self._half = Timer(PERIOD_NS // 2, "ns")
         self._events: list[tuple[int, int, int]] = []
         self._powered = False
@@ -335,7 +335,7 @@ class PinBoardBfm(BoardBfm):
 
     def __init__(self, dut: Any, parameters: BoardParameters) -> None:
         """Hold the pins."""
-        super().__init__(parameters.clocks_per_bit, lambda *_: PinPlayer(dut, parameters))
+        super().__init__(parameters.clocks_per_three_bits, lambda *_: PinPlayer(dut, parameters))
 
     async def progress(self, clocks: int) -> BoardProgress:
         """Run for so many clocks at most."""

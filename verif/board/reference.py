@@ -90,7 +90,7 @@ class BoardReference:
         self.reply_check = ReplyCheck(self._wrong, happened)
         self.runs = self.gos = self.resets = 0
         self._numbers = count()
-        self._untold = REPLIED + parameters.clocks_per_bit // 2 + 1
+        self._untold = REPLIED + parameters.clocks_per_three_bits // 6 + 1
         self.pins = Pins(0b1010)
         self.beat_level = False
         # The clock, and the one in which the last frame had come.
@@ -726,7 +726,7 @@ class BoardReference:
     def spoken(self, value: int) -> None:
         """Take a byte of the board's: those of a reply follow one another without a gap."""
         after, self._spoke = self.clock - self._spoke, self.clock
-        if self._opened and after != 10 * self.parameters.clocks_per_bit + 1:
+        if self._opened and after != 10 * self.parameters.clocks_per_three_bits // 3 + 1:
             self._wrong(f"a byte of a reply comes {after} clocks after the one before it")
         if value != END:
             if not self._opened:

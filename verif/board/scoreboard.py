@@ -40,7 +40,7 @@ class BoardScoreboard(CountingScoreboard):
             self.settings.board_parameters, self.fail, lambda *happened: self.checked_port.write(happened)
         )
         # A reply's first bit is seen in its middle, and begins some clocks after its frame was executed.
-        begun = -(REPLIED + self.settings.board_parameters.clocks_per_bit // 2)
+        begun = -(REPLIED + self.settings.board_parameters.clocks_per_three_bits // 6)
         latencies = {RX: _HEARD, RX_BROKEN: _HEARD, BEGIN: begun}
         self._shifts = np.array([latencies.get(kind, 0) for kind in range(len(_ORDER))])
         # More than any of them.

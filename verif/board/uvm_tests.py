@@ -191,7 +191,7 @@ class BoardGoTest(BoardTest):
 
     async def noise(self) -> None:
         """Have a level on the line long enough for a start bit; the frame after it ends what begins so."""
-        await self.silent(act=Act.GLITCH, clocks=self.parameters.clocks_per_bit)
+        await self.silent(act=Act.GLITCH, clocks=-(-self.parameters.clocks_per_three_bits // 3))
         await self.status()
 
 
@@ -466,8 +466,10 @@ class BoardRefusalsTest(BoardTest):
         low, high = coordinate_range(width)
         one = load_payload(0, 0, self.flat(), width)
         for mesh, first, count in (
-            (0, 1, 1), (0, 2, 1), (0, 4, 1), (1, 3, 1), (0, 65535, 1), (2, 0, 1), (128, 0, 1), (255, 0, 1),
-            (0, 0, 0), (1, depth, 1),
+            (0, 4, 1), (1, 3, 1), (0, 65535, 1), (2, 0, 1), (128, 0, 1), (255, 0, 1), (0, 0, 0),
+            (1, depth, 1),
+            # Of the place each bit that is wrong alone.
+            *((0, 3 ^ 1 << bit, 1) for bit in range(16)),
         ):  # fmt: skip
             payload = struct.pack("<BHB", mesh, first, count) + one[4:] * count
             await self.ask(Command.LOAD, payload)
@@ -523,7 +525,9 @@ class BoardRefusalsTest(BoardTest):
         for margin in sorted({0, min(4, most), min(5, most), most}):
             await self.run(Mode.ALL, margin)
             await self.run(Mode.ALL, margin, zones=(most, most))
-        await self.results(99)
+        # Of each bit of the number one that is set alone.
+        for pairs in (99, *(1 << bit for bit in range(3, 32))):
+            await self.results(pairs)
         await self.all_results()
         await self.results(7)
         await self.forgotten()

@@ -43,8 +43,7 @@ from triaxis.sim.models import (
     mesh_build,
 )
 from triaxis.sim.paths import BUILD, board_sources, certified_sources, mesh_sources, rtl_sources
-from triaxis.sim.standing import standing
-from triaxis.sim.validity import Provenance, Sources
+from triaxis.sim.validity import Provenance, Sources, standing
 from triaxis.sim.verilate import LIGHT, Build, described, library
 from triaxis.verif.code_coverage.state_machines import covers, state_machines
 from triaxis.verif.core.detector_check import ask_at_random

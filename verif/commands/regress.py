@@ -178,8 +178,6 @@ def add_shrink(parser: argparse.ArgumentParser) -> None:
 def _shrink(options: argparse.Namespace) -> int:
     configuration = parse_configuration(options.config)
     failing = read_failing(options.failing, configuration)
-    if any(pair.context and pair.context.margins.min() < 0 for pair in failing):
-        raise InputError(f"{options.failing}: context_margins: must be at least 0")
     _check_rtl(options.dut)
     core = BareCore(configuration, options.dut.resolve())
     store, ending = options.store if options.keep else None, ".svg" if options.svg else ".png"

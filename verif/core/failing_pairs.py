@@ -59,6 +59,7 @@ class Stream:
         return bool(
             self.pairs.min() >= low
             and self.pairs.max() <= high
+            and self.margins.min() >= 0
             and self.margins.max() <= configuration.max_margin
         )
 

@@ -16,8 +16,7 @@ from triaxis.golden.processes import results_in_processes
 from triaxis.sim.core_engine import LockstepEngine, RtlEngine
 from triaxis.sim.evidence import write_evidence
 from triaxis.sim.paths import BUILD
-from triaxis.sim.standing import standing
-from triaxis.sim.validity import Sources, validity
+from triaxis.sim.validity import Sources, standing, validity
 from triaxis.verif.core.checking import Failure
 from triaxis.verif.core.failing_pairs import write_failing_pairs
 from triaxis.verif.exhaustive.check import CONFIGURATION, MARGINS, ClassResult, Core, Mismatch, check_class

@@ -11,7 +11,7 @@ from filelock import FileLock
 from triaxis.golden.outputs import make_folder
 from triaxis.golden.processes import threads
 from triaxis.sim.paths import DUT
-from triaxis.sim.standing import standing
+from triaxis.sim.validity import standing
 from triaxis.verif.faults import runs
 from triaxis.verif.faults.environment_faults import try_environment, try_healthy_environment
 from triaxis.verif.faults.faulty_rtl import faulty_rtl

@@ -70,6 +70,19 @@ def _streams(margin: int) -> SbyProof:
     )
 
 
+def _verdict(width: int) -> SbyProof:
+    return _assertions(
+        f"verdict_w{width}",
+        "Near exactly where none of 32 free axis bits is set, otherwise the claim is the lowest one set; "
+        "degenerate and coplanar exactly where the normal and all free orientations are zero; no "
+        "flag of a masked pair.",
+        ("core/triaxis_verdict", "core/triaxis_flags", "core/triaxis_delay"),
+        {"W": width, "NormalWait": 9, "DetWait": 6},
+        14,
+        window=13,
+    )
+
+
 _CERTIFIED = "core/triaxis_certified_core"
 # Where a bit can be inverted, once: a kept pair, its place in the core and after it, a claim, a result.
 _UPSETS = (
@@ -516,7 +529,7 @@ def engine_proofs() -> tuple[SbyProof, ...]:
             "nothing was found. Of each outer zone the run says that something is in it exactly where a "
             "verdict was near in it or within, or it is no wider when the run begins.",
             ("mesh/triaxis_near_pairs",),
-            {"IndexWidth": 3, "InFlight": 34},
+            {"IndexWidth": 15, "InFlight": 66},
             12,
             (
                 "no more verdicts than pairs that were issued, and no more of these on their way than the "
@@ -636,8 +649,33 @@ def board_proofs() -> tuple[SbyProof, ...]:
                 "the line was in the middle of it, after a start bit and before a stop bit; without a stop "
                 "bit it is an error, told once.",
                 ("board/triaxis_uart_rx",),
-                {"ClocksPerBit": 25},
+                {"ClocksPerThreeBits": 25},
                 54,
+            ),
+            cover_from_reset=False,
+        ),
+        replace(
+            _assertions(
+                "board_line",
+                "For all time and for any bytes: each that is accepted is on the line from the next clock "
+                "on, start bit, its bits, stop bit, each as long as the rate says to a clock; then the next "
+                "is accepted; the line is high besides.",
+                ("board/triaxis_uart_tx",),
+                {"ClocksPerThreeBits": 25},
+                3,
+            ),
+            cover_from_reset=False,
+        ),
+        replace(
+            _assertions(
+                "board_ring",
+                "For all time: the ring takes every near pair until it holds 1,024, and those that it holds "
+                "are given by their numbers, which have 32 bits; what finds no place waits, or is dropped "
+                "where a run is aborted.",
+                ("board/triaxis_near_ring", "mesh/triaxis_ram"),
+                {"Width": 24, "Entries": 1024},
+                3,
+                ("pairs are freed up to one that is held, or to the next: no other RESULTS is executed",),
             ),
             cover_from_reset=False,
         ),
@@ -742,16 +780,7 @@ def proofs() -> tuple[Proof, ...]:
         _reach("reach_small", 2, 5, 7, exact=True),
         *engine_proofs(),
         *board_proofs(),
-        _assertions(
-            "verdict_m0",
-            "Near exactly where none of 32 free axis bits is set, otherwise the claim is the lowest one set; "
-            "degenerate and coplanar exactly where the normal and all free orientations are zero; no "
-            "flag of a masked pair.",
-            ("core/triaxis_verdict", "core/triaxis_flags", "core/triaxis_delay"),
-            {"W": _WIDTH, "NormalWait": 9, "DetWait": 6},
-            14,
-            window=13,
-        ),
+        *(_verdict(width) for width in (_WIDTH, 24, MAX_WIDTH)),
         _assertions(
             "areas_w1",
             "The areas of three vertices and the volumes of four, multipliers included, are the determinants "

@@ -60,7 +60,9 @@ class Shapes:
         group, depth = self.configuration.group, self.configuration.depth
         few = [0, 1, max(1, group - 1), group, group + 1, depth]
         several = int(self.rng.integers(1, max(2, min(depth, 4 * group))))
-        return min(depth, int(self.rng.choice([*few, several, several])))
+        # As often of each order of magnitude.
+        any_many = int(2 ** self.rng.uniform(0, np.log2(depth)))
+        return min(depth, int(self.rng.choice([*few, several, several, any_many])))
 
 
 # From shapes, sizes of A and B, and a margin: both meshes, A where it is to come.

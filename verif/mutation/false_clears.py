@@ -23,7 +23,7 @@ from triaxis.sim.core_engine import CoreError, CorePlayer, streamed
 from triaxis.sim.evidence import write_evidence
 from triaxis.sim.paths import BUILD, DUT, certified_sources, rtl_sources
 from triaxis.sim.result import FAULT, NEAR
-from triaxis.sim.validity import Provenance, Sources, provenance
+from triaxis.sim.validity import Provenance, Sources, standing
 from triaxis.verif.core.stimulus.families import mixed
 from triaxis.verif.core.stimulus.stimulus import Stimulus
 from triaxis.verif.mutation.builds import schema_library, temporary
@@ -146,7 +146,7 @@ def compare(
 
     ``of``: patterns, one of which a name must fit. Raises InputError where a core without a mutant is wrong.
     """
-    start, before = time.monotonic(), provenance(SOURCES)
+    start, before = time.monotonic(), standing(SOURCES, dut)
     every = catalogue(dut)
     numbers = runtime_numbers(every.mutants)
     wanted = [one for one in mutants_of_data_path(every) if any(fnmatch(one.id, pattern) for pattern in of)]
@@ -177,9 +177,9 @@ def compare(
     with threads(_JOBS) as pool:
         compared = tuple(pool.map(one, wanted))
     problems = [] if any(one.dangerous for one in compared) else ["no mutant is dangerous: nothing shown"]
-    if not before.still_holds(SOURCES):
+    if not before.stands:
         problems.append("the RTL, or what plays its mutants, changed during the run: run again")
-    return FalseClears(compared, pairs, seed, time.monotonic() - start, tuple(problems), before)
+    return FalseClears(compared, pairs, seed, time.monotonic() - start, tuple(problems), before.valid_for)
 
 
 def write_result(result: FalseClears) -> Path:

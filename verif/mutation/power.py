@@ -19,7 +19,7 @@ from triaxis.golden.errors import InputError
 from triaxis.golden.processes import threads
 from triaxis.sim.evidence import write_evidence
 from triaxis.sim.paths import DUT
-from triaxis.sim.validity import Provenance, provenance
+from triaxis.sim.validity import Provenance, standing
 from triaxis.verif.mutation.builds import FOLDER, schema_library, temporary
 from triaxis.verif.mutation.catalogue import Catalogue, catalogue, runtime_numbers
 from triaxis.verif.mutation.equivalence import read_equivalents
@@ -107,7 +107,7 @@ def measure_power(
     ``progress`` is told of each test of a model that is done. Raises InputError where a test fails without a
     mutant, or where no mutant is drawn.
     """
-    start, before = time.monotonic(), provenance(KILLERS)
+    start, before = time.monotonic(), standing(KILLERS, dut)
     every = catalogue(dut).restricted(files, None) if files else catalogue(dut)
     found: list[Power] = []
     problems: list[str] = []
@@ -115,9 +115,11 @@ def measure_power(
         power, silent = _of_model(model, every, seed, one_in, jobs, dut, progress)
         found.append(power)
         problems += silent
-    if not before.still_holds(KILLERS):
+    if not before.stands:
         problems.append("the RTL, or what plays its mutants, changed during the run: run again")
-    return PowerResult(tuple(found), seed, one_in, time.monotonic() - start, tuple(problems), before)
+    return PowerResult(
+        tuple(found), seed, one_in, time.monotonic() - start, tuple(problems), before.valid_for
+    )
 
 
 def sampled(model: AnyTarget, seed: int, one_in: int, every: Catalogue, dut: Path = DUT) -> list[Mutant]:

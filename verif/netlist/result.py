@@ -12,8 +12,7 @@ from triaxis.sim.board_parameters import is_board_configuration
 from triaxis.sim.evidence import write_evidence
 from triaxis.sim.paths import DUT
 from triaxis.sim.programs import yosys_version
-from triaxis.sim.standing import standing
-from triaxis.sim.validity import Sources, Validity
+from triaxis.sim.validity import Sources, Validity, standing
 from triaxis.verif.formal.proof import Outcome, require_tools
 from triaxis.verif.formal.proving import outcome_of
 from triaxis.verif.netlist.gates import FOLDER, NOT_SIMULATED, SCOPES, Scope, run_on_gates

@@ -17,8 +17,7 @@ from triaxis.sim.evidence import write_evidence
 from triaxis.sim.paths import BUILD, DUT
 from triaxis.sim.programs import yosys_version
 from triaxis.sim.simulators import ICARUS, icarus_version
-from triaxis.sim.standing import standing
-from triaxis.sim.validity import Sources, Validity
+from triaxis.sim.validity import Sources, Validity, standing
 from triaxis.verif.testbench.settings import PIN, TEST_DATA, TEST_MODULES, Block, RunSettings
 from triaxis.verif.testbench.simulation import RunResult, build_for, run, run_settings
 from triaxis.verif.testbench.table import table

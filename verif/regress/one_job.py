@@ -15,8 +15,7 @@ from filelock import FileLock
 
 from triaxis.golden.errors import InputError
 from triaxis.golden.outputs import make_folder, write_whole
-from triaxis.sim.standing import standing
-from triaxis.sim.validity import Sources, validity
+from triaxis.sim.validity import Sources, standing, validity
 from triaxis.verif.counterexample.explaining import run_and_explain
 from triaxis.verif.regress.failing import FailingSeeds
 from triaxis.verif.regress.records import (

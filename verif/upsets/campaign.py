@@ -17,8 +17,7 @@ from triaxis.golden.errors import InputError
 from triaxis.golden.outputs import make_folder, write_whole
 from triaxis.sim.board_parameters import parse_board_configuration
 from triaxis.sim.evidence import write_evidence
-from triaxis.sim.standing import standing
-from triaxis.sim.validity import Provenance, Sources
+from triaxis.sim.validity import Provenance, Sources, standing
 from triaxis.sim.verilate import library
 from triaxis.verif.testbench.settings import BOARD_TESTS, BURST, ENTRY
 from triaxis.verif.testbench.simulation import run, run_settings

@@ -181,7 +181,7 @@ class BoardUpsetsTest(BoardTest):
 
     def clocks_of(self, count: int) -> int:
         """Return how long so many bytes are on the line."""
-        return count * _BYTE_BITS * self.parameters.clocks_per_bit
+        return -(-count * _BYTE_BITS * self.parameters.clocks_per_three_bits // 3)
 
     def meshes(self, near: bool = False) -> tuple[Integers, Integers]:
         """Return two meshes of which no pair is near, or one; at the other pose one is in any case.

@@ -171,8 +171,8 @@ def test_every_rule_is_seen_broken(tmp_path):
     [
         ("BoardDepthTest", SHIPPED, "mesh/triaxis_mesh_store.sv", ".write_address_i(index)",
          ".write_address_i(Depth == 4096 ? index & ~(1 << 11) : index)"),
-        ("BoardSmokeTest", REAL, "board/triaxis_uart_rx.sv", "CountWidth = $clog2(ClocksPerBit)",
-         "CountWidth = ClocksPerBit == 25 ? 4 : $clog2(ClocksPerBit)"),
+        ("BoardSmokeTest", REAL, "board/triaxis_uart_rx.sv", "CountWidth = $clog2(ClocksPerThreeBits)",
+         "CountWidth = ClocksPerThreeBits == 25 ? 4 : $clog2(ClocksPerThreeBits)"),
     ],
 )  # fmt: skip
 def test_what_is_wrong_as_the_board_ships_is_seen(tmp_path, seed, test, config, module, right, wrong):

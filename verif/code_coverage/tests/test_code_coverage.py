@@ -87,8 +87,8 @@ def test_the_models_elaborate_every_generate_block() -> None:
     }
     blocks = generate_blocks([*rtl_sources(), *mesh_sources(), *board_sources()])
     missing = {block.label for block in blocks if (block.module, block.label) not in found}
-    of_engine = {"g_bad_powers", "g_bad_sizes", "g_bad_cycles"}
-    of_board = {"g_bad_rate", "g_bad_depth", "g_bad_group", "g_bad_hold", "g_bad_watchdog"}
+    of_engine = {"g_bad_powers", "g_bad_sizes", "g_bad_range", "g_bad_cycles"}
+    of_board = {"g_bad_rate", "g_bad_depth", "g_bad_hold", "g_bad_watchdog"}
     assert missing == {"g_bad_tag", "g_bad_w", "g_bad_m", "g_bad_edge_box"} | of_engine | of_board
 
 

@@ -135,7 +135,7 @@ def test_command_and_a_failed_run(broken, missed, tmp_path, rng, capsys, monkeyp
     for words, dut, due, said in (
         ((far, "--no-keep"), broken, 1, "none of 1 pairs fails on the bare core w8_m8"),
         ((tmp_path / "no.npz",), broken, 2, "cannot read"),
-        ((before,), broken, 2, "context_margins: must be at least 0"),
+        ((before,), broken, 2, "context of pair 0: does not fit w8_m8"),
         ((failing,), tmp_path, 2, "no triaxis_pkg.sv"),
     ):
         status, _, error = shrunk(*words, dut=dut)

@@ -16,7 +16,7 @@ from triaxis.host.cli import main
 from triaxis.sim.core_engine import RtlEngine
 from triaxis.sim.paths import DUT
 from triaxis.sim.result import NEAR
-from triaxis.sim.standing import standing
+from triaxis.sim.validity import standing
 from triaxis.verif.commands import prove
 from triaxis.verif.core.expectation import expected_words
 from triaxis.verif.core.failing_pairs import read_failing_pairs

@@ -64,7 +64,7 @@ module triaxis_twice_formal
 
   // --- The walks ------------------------------------------------------------------------------------------
 
-  // Where a word is read, and what is said, by either.
+  // Where a word is read, and what is said, by either; whether a verdict is taken, where there is one.
   logic same_reads, same_pair, same_answers;
   assign same_reads = ^u_mesh.row_read == 1'b0 && ^u_mesh.word_read == 1'b0 &&
       ^u_mesh.box_a_read == 1'b0 && ^u_mesh.box_b_read == 1'b0 && ^u_mesh.triangle_read == 1'b0 &&
@@ -81,7 +81,7 @@ module triaxis_twice_formal
        u_mesh.core_zone[0] == u_mesh.core_zone[1] &&
        u_mesh.core_margin[0] == u_mesh.core_margin[1]));
   assign same_answers = ^u_mesh.run_ready == 1'b0 && ^u_mesh.busy == 1'b0 &&
-      ^u_mesh.verdicts_ready == 1'b0 && ^u_mesh.near_valid == 1'b0 &&
+      (!u_mesh.verdict_valid || ^u_mesh.verdicts_ready == 1'b0) && ^u_mesh.near_valid == 1'b0 &&
       (!u_mesh.near_valid[0] || u_mesh.near_data[0] == u_mesh.near_data[1]) &&
       u_mesh.cycles[0] == u_mesh.cycles[1] &&
       u_mesh.groups_skipped[0] == u_mesh.groups_skipped[1] &&

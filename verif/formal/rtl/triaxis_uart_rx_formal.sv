@@ -7,20 +7,22 @@
 // told as an error, once, and nothing begins before the line was high again.
 
 module triaxis_uart_rx_formal #(
-    parameter int unsigned ClocksPerBit = 25
+    parameter int unsigned ClocksPerThreeBits = 25
 ) (
     input logic clk_i,
     input logic rst_ni,
     input logic line_i
 );
 
-  localparam int unsigned Middle = ClocksPerBit / 2;
-  localparam int unsigned Last = Middle + 9 * ClocksPerBit;
-  typedef logic [$clog2(Last+1)-1:0] clocks_t;
+  // In clocks since the line's fall: the middle of a bit of the byte, and how wide the last one is.
+  function automatic int unsigned middle(int unsigned place);
+    return (2 * place + 1) * ClocksPerThreeBits / 6;
+  endfunction
+  typedef logic [$clog2(middle(9)+1)-1:0] clocks_t;
 
   logic valid_o, framing_error_o;
   logic [7:0] data_o;
-  triaxis_uart_rx #(.ClocksPerBit(ClocksPerBit)) u_rx (.*);
+  triaxis_uart_rx #(.ClocksPerThreeBits(ClocksPerThreeBits)) u_rx (.*);
 
   // The line two clocks ago; clocks since it fell; its levels in the middles of the bits so far. The
   // line's rest: from the middle of a stop bit until it is high.
@@ -44,7 +46,7 @@ module triaxis_uart_rx_formal #(
     in_middle  = 1'b0;
     bit_number = '0;
     for (int i = 0; i < 10; i++) begin
-      if (under_way_q && clocks_q == clocks_t'(Middle + i * ClocksPerBit)) begin
+      if (under_way_q && clocks_q == clocks_t'(middle(i))) begin
         in_middle  = 1'b1;
         bit_number = 4'(i);
       end
@@ -80,15 +82,15 @@ module triaxis_uart_rx_formal #(
   logic bit_seen_q = 1'b0;
   always_ff @(posedge clk_i) bit_seen_q <= bit_seen_q || in_middle;
 
-  // Where the count of a bit and its number must be.
-  clocks_t bit_clocks;
+  // Thirds of clocks from the line's fall to the middle of the bit that is waited for.
+  int unsigned thirds;
   logic [2:0] state;
   assign state = u_rx.state_q;
   always_comb begin
     case (state)
-      3'd1: bit_clocks = clocks_t'(Middle);
-      3'd2: bit_clocks = clocks_t'(Middle + (32'(u_rx.bit_q) + 1) * ClocksPerBit);
-      default: bit_clocks = clocks_t'(Last);
+      3'd1: thirds = ClocksPerThreeBits / 2;
+      3'd2: thirds = ClocksPerThreeBits / 2 + (32'(u_rx.bit_q) + 1) * ClocksPerThreeBits;
+      default: thirds = ClocksPerThreeBits / 2 + 9 * ClocksPerThreeBits;
     endcase
   end
 
@@ -103,9 +105,9 @@ module triaxis_uart_rx_formal #(
       assert (state <= 3'd4);
       assert (under_way_q == (state inside {3'd1, 3'd2, 3'd3}));
       assert (rest_q == (state == 3'd4));
-      assert (!under_way_q || clocks_q + clocks_t'(u_rx.count_q) == bit_clocks);
-      assert (state != 3'd1 || 32'(u_rx.count_q) < Middle);
-      assert (!under_way_q || 32'(u_rx.count_q) < ClocksPerBit);
+      assert (!under_way_q || 3 * 32'(clocks_q) + 32'(u_rx.count_q) == thirds);
+      assert (!under_way_q || clocks_q != '0);
+      assert (!under_way_q || 32'(u_rx.count_q) < ClocksPerThreeBits);
       assert (state == 3'd2 || u_rx.bit_q == '0);
       assert (!(state inside {3'd2, 3'd3}) || !levels_q[0]);
       for (int i = 0; i < 8; i++) begin

@@ -200,9 +200,9 @@ BROKEN = (
      ".Cycles(Comb ? 0 : BoxLatency - 1)", ".Cycles(Comb ? 0 : BoxLatency)", "Box"),
     ("a middle point taken for the lowest", "box_m0", "core/triaxis_extent.sv",
      "low[0] = below_q[0] && !below_q[2];", "low[0] = below_q[0];", "Lowest"),
-    ("claims the last axis", "verdict_m0", "core/triaxis_verdict.sv",
+    ("claims the last axis", "verdict_w16", "core/triaxis_verdict.sv",
      " & -separated_q[NumAxes-1:AxisNormalA]", "", "ClaimIsLowest"),
-    ("flags of a masked pair", "verdict_m0", "core/triaxis_verdict.sv",
+    ("flags of a masked pair", "verdict_w16", "core/triaxis_verdict.sv",
      "coplanar_i && !gated_i", "coplanar_i", "FlagCoplanar"),
     ("the most negative component overflows", "threshold_space", "core/triaxis_threshold.sv",
      "-norm_t'(axis_i[k])", "norm_t'(CWidth'(-axis_i[k]))", "Norm"),
@@ -435,7 +435,13 @@ BROKEN = (
     ("no END between two frames", "board_slip", "board/triaxis_slip_tx.sv",
      "last_i ? Last : Plain", "Plain", "check"),
     ("bits a clock before their middles", "board_bytes", "board/triaxis_uart_rx.sv",
-     "ClocksPerBit / 2 - 1", "ClocksPerBit / 2 - 2", "check"),
+     "ClocksPerThreeBits / 2 - 3", "ClocksPerThreeBits / 2 - 6", "check"),
+    ("a bit that loses its thirds of a clock", "board_line", "board/triaxis_uart_tx.sv",
+     "      count_q <= count_q + Whole;", "      count_q <= Whole;", "check"),
+    ("near pairs counted to half a million", "board_ring", "board/triaxis_near_ring.sv",
+     "written_q + 32'd1;", "(written_q + 32'd1) & 32'h0007_FFFF;", "check"),
+    ("a ring that frees one pair too many", "board_ring", "board/triaxis_near_ring.sv",
+     "freed_q <= number_i;", "freed_q <= number_i + 32'(number_i[19]);", "check"),
     ("a byte without a stop bit", "board_bytes", "board/triaxis_uart_rx.sv",
      "valid_o && !line;", "1'b0;", "Framing"),
     ("a run's cycles cut", "board_runs", "board/triaxis_runner.sv",
@@ -563,7 +569,7 @@ def test_every_proof_is_seen_to_fail():
 
 
 def test_what_is_not_covered_fails(tmp_path):
-    verdict = _proof("verdict_m0")
+    verdict = _proof("verdict_w16")
     assert isinstance(verdict, SbyProof)
     problems = replace(verdict, cover_depth=2).prove(DUT, tmp_path / "unreached").problems
     assert any("cover: FAIL: " in problem and "SeenLastAxis" in problem for problem in problems), problems
@@ -592,7 +598,7 @@ def _is_ended(*_: object) -> int:
 def test_a_prover_that_comes_to_no_end_decides_nothing(tmp_path, monkeypatch, prover):
     for module in ("verif.formal.proof", "sim.programs"):
         monkeypatch.setattr(f"triaxis.{module}.run_limited", prover)
-    names = ("streams_m0", "verdict_m0", "axes_other", "multiply_wide")
+    names = ("streams_m0", "verdict_w16", "axes_other", "multiply_wide")
     monkeypatch.setattr(proving, "proofs", lambda: tuple(_proof(name) for name in names))
     result = proving.prove_all(lambda step: None, folder=tmp_path)
     assert [outcome.finding.result for outcome in result.outcomes] == [Result.UNDECIDED] * len(names)

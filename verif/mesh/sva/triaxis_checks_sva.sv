@@ -143,7 +143,7 @@ bind triaxis_walk triaxis_shown_sva #(
       {2 * IndexWidth{triangle_read_o}} & {triangle_a_index_o, triangle_b_index_o},
       core_valid_o,
       {18 * W + 2 * IndexWidth + 2{core_valid_o}} & {core_pair_o, core_a_o, core_b_o, core_zone_o},
-      verdict_ready_o,
+      verdict_valid_i && verdict_ready_o,
       m_axis_near_tvalid_o,
       {2 * IndexWidth{m_axis_near_tvalid_o}} & m_axis_near_tdata_o,
       cycles_o,

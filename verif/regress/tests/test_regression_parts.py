@@ -15,7 +15,7 @@ from triaxis.coverage.report import IllegalHit, ItemReport, ModelReport
 from triaxis.golden.errors import InputError
 from triaxis.sim.evidence import read_evidence
 from triaxis.sim.paths import DUT
-from triaxis.sim.standing import standing
+from triaxis.sim.validity import standing
 from triaxis.verif.regress import dispatch, one_job
 from triaxis.verif.regress.definition import Regression
 from triaxis.verif.regress.failing import FailingSeed, FailingSeeds, buckets

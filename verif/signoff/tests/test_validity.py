@@ -1,15 +1,17 @@
 """Results are valid for all that decides them, and for nothing else."""
 
 import json
+import shutil
 import subprocess
 import sys
 from pathlib import Path
 
 import pytest
 
+from triaxis.golden.errors import InputError
 from triaxis.sim import validity
-from triaxis.sim.paths import ROOT
-from triaxis.sim.validity import Sources
+from triaxis.sim.paths import DUT, ROOT
+from triaxis.sim.validity import Sources, standing
 from triaxis.verif.regress.one_job import SOURCES
 from triaxis.verif.signoff import gate
 
@@ -56,3 +58,20 @@ def test_whatever_is_imported_anywhere_in_a_module_changes_the_hash(tmp_path, mo
     validity._imported.cache_clear()
     with pytest.raises(ValueError, match=r"triaxis\.gone: no such module"):
         Sources(("triaxis.gone",)).files()
+
+
+def test_an_edit_that_is_taken_back_is_seen(tmp_path):
+    dut = tmp_path / "dut"
+    shutil.copytree(DUT, dut)
+    sources = Sources(("triaxis.sim.validity",))
+    file = dut / "core" / "triaxis_core.sv"
+    before, text = standing(sources, dut), file.read_text()
+    assert before.stands
+    file.write_text("another")
+    assert not before.stands
+    file.write_text(text)
+    with pytest.raises(InputError, match="was written to during the run"):
+        before.check()
+    again = standing(sources, dut)
+    (dut / "core" / "new.sv").write_text("")
+    assert not again.stands
