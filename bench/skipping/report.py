@@ -42,7 +42,8 @@ def _measured(seed: int) -> Findings:
 
 def findings(result: SkippingResult) -> Findings:
     """Return what is told of a result."""
-    pairs, cycles, software = result.totals
+    hardware, software = result.totals
+    pairs, cycles, loading = hardware.cycles_without_skipping, hardware.cycles, hardware.cycles_to_load
     exponents = ", ".join(
         f"{growth.surfaces.name} {growth.compared_exponent:.2f}" for growth in result.growth
     )
@@ -56,6 +57,7 @@ def findings(result: SkippingResult) -> Findings:
         "totals": {
             "pairs": pairs,
             "cycles": cycles,
+            "cycles_to_load": loading,
             "seconds_all_pairs": software.seconds_all_pairs,
             "seconds_behind_boxes": software.seconds_behind_boxes,
         },
@@ -65,7 +67,8 @@ def findings(result: SkippingResult) -> Findings:
     }
     return Findings(
         f"triaxis bench skipping --seed {result.seed}",
-        f"{pairs:,} facet pairs in {cycles:,} cycles ({pairs / cycles:.0f} a cycle); bulk checker "
+        f"{pairs:,} facet pairs in {cycles:,} cycles ({pairs / cycles:.0f} a cycle), and {loading:,} to load "
+        f"them ({pairs / (cycles + loading):.0f} a cycle of both); bulk checker "
         f"{software.seconds_all_pairs:.2f} s alone, {software.seconds_behind_boxes:.3f} s behind the broad "
         f"phase; comparisons grow with exponents {exponents}",
         result.problems,
@@ -103,8 +106,8 @@ def _growth(growth: Growth) -> dict[str, Any]:
 def _stage_table(result: SkippingResult) -> Table:
     """Return what each stage skips, and what that saves: without margin, and with the scene's own."""
     headings = (
-        "scene", "margin", "pairs", "objects", "groups", "boxes", "axes", "near", "cycles", "pairs/cycle",
-        "all pairs, ms", "behind boxes, ms",
+        "scene", "margin", "pairs", "objects", "groups", "boxes", "axes", "near", "cycles", "to load",
+        "pairs/cycle", "all pairs, ms", "behind boxes, ms",
     )  # fmt: skip
     title = f"pairs skipped by each stage; {CONFIGURATION.name} at {CLOCK_MHZ} MHz; the bulk checker"
     rows = table(title, headings)
@@ -113,7 +116,7 @@ def _stage_table(result: SkippingResult) -> Table:
             by, hardware = at.pairs_by_stage, at.hardware
             counts = (
                 by.pairs, by.objects, by.rows + by.groups, by.boxes, by.tested - by.near, by.near,
-                hardware.cycles,
+                hardware.cycles, hardware.cycles_to_load,
             )  # fmt: skip
             rows.add_row(
                 "" if margin else row.scene.name,

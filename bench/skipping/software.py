@@ -13,9 +13,9 @@ import numpy as np
 from triaxis.bench.harness import Progress, Summed, clocked
 from triaxis.bench.peers.peer import Peer
 from triaxis.bench.skipping.scenes import Surfaces
-from triaxis.golden.bulk import bulk_facts
 from triaxis.host.broadphase import Work, all_candidates, candidates, in_order
 from triaxis.host.engines import Integers
+from triaxis.host.scene import bulk_near, near_of
 
 # What a package finds.
 BOXES, FACETS = "pairs of boxes", "colliding facets"
@@ -52,13 +52,15 @@ def behind_boxes(a: Integers, b: Integers, margin: int) -> Found:
 
 def _decided(a: Integers, b: Integers, margin: int, blocks: Iterable[tuple[Integers, Integers]]) -> Found:
     """Decide pairs of facets, given as their numbers (K,) in A and in B, block by block."""
+    small = (
+        (i[start : start + _AT_ONCE], j[start : start + _AT_ONCE])
+        for i, j in blocks
+        for start in range(0, len(i), _AT_ONCE)
+    )
     tested, near = 0, [np.empty((0, 2), np.int64)]
-    for block in blocks:
-        tested += len(block[0])
-        for start in range(0, len(block[0]), _AT_ONCE):
-            i, j = (numbers[start : start + _AT_ONCE] for numbers in block)
-            chosen = bulk_facts(np.stack([a[i], b[j]], 1).astype(np.int32), margin).near
-            near.append(np.stack([i[chosen], j[chosen]], 1))
+    for count, found in near_of(small, a, b, np.zeros(3, np.int64), margin, bulk_near):
+        tested += count
+        near.append(found)
     return Found(np.concatenate(near), 0, tested)
 
 

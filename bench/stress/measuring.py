@@ -24,7 +24,6 @@ from triaxis.bench.harness import Progress
 from triaxis.bench.stress.families import FAMILIES, Family
 from triaxis.bench.stress.orders import METHODS, Answers, Mask, OrderErrors, errors, method_errors
 from triaxis.golden.bulk import bulk_facts
-from triaxis.golden.judge import judge
 from triaxis.golden.processes import in_processes
 from triaxis.host.quantise import (
     Grid,
@@ -36,6 +35,7 @@ from triaxis.host.quantise import (
     margin_for,
     quantise,
 )
+from triaxis.host.scene import proven_distance
 from triaxis.sim.core_engine import RtlEngine, configuration_for
 from triaxis.sim.result import NEAR
 from triaxis.verif.core.stimulus.stimulus import Ints, Pairs32, chosen_rows
@@ -57,7 +57,7 @@ class ExactPairs:
         """Judge the sample, or all pairs."""
         self._pairs = pairs.astype(np.int32) if bulk else None
         self._sample = np.arange(0, len(pairs), JUDGED_ONE_IN if bulk else 1)
-        self._distances = [judge(a, b, 0).distance for a, b in chosen_rows(pairs, self._sample).tolist()]
+        self._distances = [proven_distance(a, b) for a, b in chosen_rows(pairs, self._sample).tolist()]
         self.judged, self.contradicted = len(self._distances), 0
 
     def within(self, limit: int) -> Mask:
@@ -102,8 +102,9 @@ def rtl_core(width: int, pairs: Pairs32, margin: int) -> Mask:
 class SettingResult:
     """What was found at one setting; counts are of answers in all 72 orders unless it says pairs.
 
-    pairs, near_pairs, judged_pairs: of the unrounded pairs; the last by the linear program, which contradicts
-    ``contradicted`` of the bulk checker's answers. own_width: of the core that holds them as they are.
+    pairs, near_pairs: of the unrounded pairs. judged_pairs: of these and of the rounded ones, by the linear
+    program, which contradicts ``contradicted`` of the bulk checker's answers. own_width: of the core that
+    holds them as they are.
     core: against the exact verdict on what it was given, as they are and rounded, at margins 0 and 1.
     methods: by name. resolution: of the rounding, in units of the pairs. rounded: margin 0 on rounded pairs,
     no_miss: margin 1, both against the unrounded. band_pairs: clear pairs within the band, which may raise
@@ -172,7 +173,8 @@ def measure(pairs: Ints, core: Core = rtl_core, margin: int | None = None) -> Se
     wanted = margin_for(CLEARANCE, grid) if margin is None else margin
     rounded = _on(grid, facets)
     at_zero, at_margin = (_asked(core, ROUNDING_WIDTH, rounded, m) for m in (0, wanted))
-    own = [errors(at_zero, bulk_facts(rounded, 0).near), errors(at_margin, bulk_facts(rounded, wanted).near)]
+    on_grid = ExactPairs(rounded.astype(np.int64), bulk=True)
+    own = [errors(at_zero, on_grid.within(0)), errors(at_margin, on_grid.within(wanted))]
     # Where a core holds the pairs as they are, so does the bulk checker, about an offset of their own.
     whole = pairs if width is None else _on(grid_around([box_of(facets)], Fraction(1), width), facets)
     exact = ExactPairs(whole.astype(np.int64), bulk=width is not None)
@@ -187,8 +189,8 @@ def measure(pairs: Ints, core: Core = rtl_core, margin: int | None = None) -> Se
     return SettingResult(
         pairs=len(pairs),
         near_pairs=int(near.sum()),
-        judged_pairs=exact.judged,
-        contradicted=exact.contradicted,
+        judged_pairs=exact.judged + on_grid.judged,
+        contradicted=exact.contradicted + on_grid.contradicted,
         own_width=width,
         core=reduce(add, own),
         methods={method.name: method_errors(method, pairs, near) for method in METHODS},

@@ -85,13 +85,13 @@ def errors(answers: Answers, near: Mask) -> OrderErrors:
     )
 
 
-def scaled(pairs: Ints) -> npt.NDArray[np.float64]:
-    """Return pairs (N, 2, 3, 3) below 2^53 in size as vertex, coordinate, pair: (6, 3, N), exactly.
+def scaled(pairs: Ints | npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
+    """Return pairs (N, 2, 3, 3) of whole numbers below 2^53 as vertex, coordinate, pair: (6, 3, N), exactly.
 
-    All are divided by the same power of 2, so that no method overflows.
+    Each is divided by a power of 2 of its own, so that no method overflows.
     """
     points = np.ascontiguousarray(pairs.reshape(-1, 6, 3).transpose(1, 2, 0)).astype(np.float64)
-    exponent = int(np.frexp(np.abs(points).max(initial=1.0))[1])
+    exponent = np.frexp(np.abs(points).max((0, 1), initial=1.0))[1]
     return np.ldexp(points, _SCALED_BITS - exponent)
 
 

@@ -7,6 +7,7 @@ import json
 import os
 import subprocess
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -166,6 +167,9 @@ def test_scores_of_programs(made, asked, capsys, tmp_path):
     assert main(["tritest", "show", f"{name}:{PAIRS + 1}", str(made[0])]) == 2
 
 
+_FROM_TRUTH = ("for line in sys.stdin:", " if line.strip() in truth: print(truth[line.strip()])")
+
+
 def test_a_program_that_ends_early_is_asked_family_by_family(asked):
     """It dies of a pair of the second, and loses what it had not yet written of that."""
     worst = asked[1].questions[4]
@@ -180,7 +184,13 @@ def test_a_program_that_ends_early_is_asked_family_by_family(asked):
     found = score(flushed, asked[:4], lambda _: None)
     assert [found.families[one.family.name].unanswered for one in asked[:4]] == [0, PAIRS - 4, 0, 0]
     short = score(python("print(0)"), asked[:1], lambda _: None)
-    assert list(short.ended.values()) == ["ended after 1 answers"] and not short.all_right
+    assert list(short.ended.values()) == ["1 answers to 16 pairs"] and not short.all_right
+    # One that leaves an answer out is not held to the other families', shifted by one.
+    truth = {q: int(c) for one in asked for q, c in zip(one.questions, one.collide, strict=True)}
+    skips = python(f"truth = {truth!r}", f"del truth[{worst!r}]", *_FROM_TRUTH)
+    found = score(skips, asked[:4], lambda _: None)
+    assert [found.families[one.family.name].unanswered for one in asked[:4]] == [0, PAIRS, 0, 0]
+    assert found.wrong == (0, 0) and found.ended == {asked[1].family.name: "15 answers to 16 pairs"}
     badly = score(python("for line in sys.stdin: print(1)", "sys.exit(3)"), asked[:2], lambda _: None)
     assert badly.ended == {asked[1].family.name: "exit code 3: "} and not badly.all_right
 
@@ -239,4 +249,10 @@ def test_a_league_needs_right_answers_of_ours(asked):
     none = score(python("for line in sys.stdin: print('?')"), asked[:2], lambda _: None)
     found = command.league_of(asked[:2], there, {OURS[0].name: zeros, OURS[1].name: none}, [])
     problems = [problem.partition(":")[0] for problem in found.problems]
-    assert problems == ["Triaxis core", "Triaxis bulk", "2 libraries"]
+    assert problems == ["Triaxis core", "Triaxis bulk", "0 packages of others"]
+    # One that answers nothing is no rival, and is told.
+    silent, wrong = (replace(OURS[0], name=name, distribution="x") for name in ("a", "b"))
+    scores = {OURS[0].name: zeros, OURS[1].name: zeros, silent.name: none, wrong.name: zeros}
+    found = command.league_of(asked[:2], [(one, "1") for one in (silent, wrong, *OURS)], scores, [])
+    assert [one["name"] for one in found.content["libraries"]][-1] == "a"
+    assert "a: answers none of the pairs that float32 holds: no error told" in found.problems

@@ -13,7 +13,7 @@ from rich.console import Console
 from triaxis.bench.harness import FOLDER, Findings, report
 from triaxis.bench.peers.peer import Peer, PeerAbsentError, present
 from triaxis.bench.tritest.cases import makers, write_set
-from triaxis.bench.tritest.libraries import LIBRARIES, OURS, answer, named
+from triaxis.bench.tritest.libraries import LIBRARIES, OURS, PAPERS, answer, named
 from triaxis.bench.tritest.recheck import SetError, case_of, families_of, lines_of, recheck
 from triaxis.bench.tritest.scoring import KINDS, Asked, Score, Tally, read_set, rows_of, score, told
 from triaxis.golden.errors import InputError
@@ -28,8 +28,8 @@ LEAGUE = FOLDER / "tritest.json"
 _PAIRS, _SEED = 1000, 1
 # Of what is printed, in columns.
 _WIDTH = 100
-# A league of fewer is none.
-_LEAST = 10
+# A league of fewer packages of others is none.
+_LEAST = 8
 _ABOUT_SET = "a set's folder (one of 1,000 pairs a family in build/, made where it is not there)"
 
 
@@ -219,8 +219,13 @@ def league_of(
         for one in OURS
         if any(scores[one.name].wrong) or scores[one.name].kinds["float32"].unanswered
     ]
-    if len(there) < _LEAST:
-        problems.append(f"{len(there)} libraries: {_LEAST} are wanted (`make peers`)")
+    for one, _ in there:
+        found = scores[one.name]
+        if one not in OURS and found.kinds["float32"].unanswered == found.kinds["float32"].pairs:
+            why = found.said or "no error told"
+            problems.append(f"{one.name}: answers none of the pairs that float32 holds: {why}")
+    if (others := len(there) - len({*OURS, *PAPERS} & {one for one, _ in there})) < _LEAST:
+        problems.append(f"{others} packages of others: {_LEAST} are wanted (`make peers`)")
     kinds = (f"{kind}: missed, false, unanswered" for kind in KINDS)
     title = "in percent; float32, float64: proper triangles that it holds; degenerate: segments, points"
     rows = table(title, ("library", "version", *kinds, "families all right"), text=2)

@@ -18,6 +18,7 @@ import numpy.typing as npt
 from triaxis.bench.peers import EDGE_PEERS, TRIANGLE_PEERS
 from triaxis.bench.peers.peer import Peer, Question, Reals
 from triaxis.bench.stress.methods import guigue_devillers, moller, separating_axes
+from triaxis.bench.stress.orders import scaled
 from triaxis.golden.bulk import bulk_verdicts
 from triaxis.golden.errors import InputError
 from triaxis.golden.pairs import MAX_WIDTH, check_pairs
@@ -50,9 +51,9 @@ def _by_verdicts(verdicts: Callable[..., Any], a: Reals, b: Reals) -> Question:
 
 
 def _by_paper(method: Callable[..., Any], kind: type[np.floating[Any]], a: Reals, b: Reals) -> Question:
-    """Return what asks a published test, which wants (vertex, coordinate, pair)."""
-    turned = [np.ascontiguousarray(np.moveaxis(triangles, 0, 2), kind) for triangles in (a, b)]
-    return Question(lambda: method(*turned))
+    """Return what asks a published test, which wants (vertex, coordinate, pair), and no overflow: scaled."""
+    points = scaled(np.stack([a, b], 1)).astype(kind)
+    return Question(lambda: method(points[:3], points[3:]))
 
 
 _PAPERS = {"SAT 1996": separating_axes, "Moller 1997": moller, "Guigue Devillers 2003": guigue_devillers}

@@ -116,10 +116,15 @@ class Score:
         return sum(proper), other
 
     @property
-    def place(self) -> tuple[int, int, int]:
-        """Return what a league is in the order of: wrong, and not right, of proper triangles; of others."""
+    def place(self) -> tuple[bool, int, int, int]:
+        """Return what a league is in the order of.
+
+        Whether it answers nothing; of proper triangles the wrong answers, then the unanswered; what is not
+        right of others.
+        """
         *proper, other = (self.kinds[kind] for kind in KINDS)
-        return self.wrong[0], sum(one.pairs - one.right for one in proper), other.pairs - other.right
+        silent = all(one.unanswered == one.pairs for one in proper)
+        return silent, self.wrong[0], sum(one.unanswered for one in proper), other.pairs - other.right
 
     def add(self, asked: Asked, said: Sequence[str]) -> None:
         """Count a family, of which there are as many answers as pairs."""
@@ -137,26 +142,29 @@ class Score:
 def score(command: Sequence[str], asked: Sequence[Asked], progress: Callable[[int], None]) -> Score:
     """Ask a program about all families; ``progress`` is told of each.
 
-    It is asked about all of them at once; from one on of which answers are missing, about each by itself.
-    Raises InputError where it cannot be started, or answers what is no answer.
+    It is asked about all of them at once. Where answers are missing nobody knows to which pairs, so it is
+    asked again, about each family by itself. Raises InputError where it cannot be started, or answers what is
+    no answer.
     """
-    found, start, each = Score(), 0, False
-    while start < len(asked):
-        some = asked[start : start + 1] if each else asked[start:]
-        said, how, told = _run(command, some)
-        found.said = found.said or told
-        for one in some:
-            name, pairs = one.family.name, one.family.pairs
-            if len(said) < pairs and not each:
-                each = True
-                break
+    found, total = Score(), sum(one.family.pairs for one in asked)
+    said, how, found.said = _run(command, asked)
+    whole = len(said) == total
+    for one in asked:
+        name, pairs = one.family.name, one.family.pairs
+        if whole:
             own, said = said[:pairs], said[pairs:]
-            # It ended here; or it answered all, and ended badly all the same.
-            if len(own) < pairs or (one is some[-1] and how is not None):
-                found.ended[name] = how or f"ended after {len(own)} answers"
-            found.add(one, [*own, *[UNTOLD] * (pairs - len(own))])
-            progress(1)
-            start += 1
+        else:
+            own, how, told = _run(command, [one])
+            found.said = found.said or told
+            if len(own) < pairs:
+                found.ended[name] = how or f"{len(own)} answers to {pairs} pairs"
+                # One that failed is believed up to there, one that left a pair out is not.
+                own = [*own, *[UNTOLD] * (pairs - len(own))] if how else [UNTOLD] * pairs
+        # It answered all, and ended badly all the same.
+        if how is not None and (not whole or one is asked[-1]):
+            found.ended[name] = how
+        found.add(one, own)
+        progress(1)
     return found
 
 

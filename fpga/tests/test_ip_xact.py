@@ -107,6 +107,8 @@ def test_vivado_is_asked_for_the_same(written):
     recorder = Recorder({"ipx::check_integrity": lambda _: "1", "ipx::get_bus_interfaces": lambda _: "guess"})
     recorder.answers["ipx::add_bus_interface"] = lambda call: call[0]
     recorder.answers["ipx::add_port_map"] = lambda call: ".".join(reversed(call))
+    recorder.answers["ipx::get_hdl_parameters"] = lambda call: f"hdl.{call[0]}"
+    recorder.answers["ipx::get_user_parameters"] = lambda call: f"user.{call[0]}"
     assert recorder.run(PACKAGE_SCRIPT, [str(folder / "options.txt")]) == 0
     said = [call for call in recorder.calls if call[0] == "set_property"]
     ports = {call[3]: call[2] for call in said if call[1] == "physical_name"}
@@ -122,6 +124,13 @@ def test_vivado_is_asked_for_the_same(written):
     assert recorder.split(read[-1]) == tuple(str(folder / "rtl" / source.name) for source in one.sources)
     generics = next(call[2] for call in said if call[1] == "generic")
     assert recorder.split(generics) == tuple(f"{name}={value}" for name, value in one.parameters.items())
+    # Vivado gives an instance what the user's parameter has.
+    values = {call[3]: call[2] for call in said if call[1] == "value"}
+    assert all(
+        values[f"{whose}.{name}"] == str(value)
+        for whose in ("hdl", "user")
+        for name, value in one.parameters.items()
+    )
     # What the packager guessed is taken away again.
     assert "ipx::remove_bus_interface" in [call[0] for call in recorder.calls]
     recorder.answers["ipx::check_integrity"] = lambda _: "0"

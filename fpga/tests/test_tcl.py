@@ -133,6 +133,7 @@ def test_an_interrupt_ends_vivado_and_what_it_started(tmp_path):
     [
         ({"part": "x"}, 1, "ERROR: .*top is missing"),
         ({"part": "x", "speed": "fast"}, 1, "ERROR: .*speed=fast: no such option"),
+        ({"part": "x\npart=y"}, 1, "ERROR: .*part=y: part is given twice"),
         ({"part": PART, "top": TOP, "source": "a.sv", "xdc": "a.xdc"}, 3, "triaxis: refused: timing"),
     ],
 )

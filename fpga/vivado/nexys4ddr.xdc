@@ -86,8 +86,8 @@ set_property PULLTYPE PULLDOWN [get_ports beyond_warn_o]
 # --- Asynchronous pins ---------------------------------------------------------------------------
 #
 # No clock outside relates to these. The button and the serial line go through synchronisers; a UART
-# samples in the middle of bits of 25 clocks; people look at LEDs and displays; and who reads go and stop
-# waits until they differ, so their skew of some nanoseconds does not matter.
+# samples in the middle of bits of 25 / 3 clocks, 83 ns; people look at LEDs and displays; and who reads go
+# and stop waits until they differ: a skew of some nanoseconds does not matter to any of them.
 
 set_false_path -from [get_ports {cpu_reset_ni uart_rx_i}]
 set_false_path -to [get_ports {uart_tx_o led_o[*] seg_no[*] an_no[*] go_o stop_o beat_o}]

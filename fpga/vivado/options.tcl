@@ -22,6 +22,8 @@ proc options {path singles lists needed} {
         }
         if {$name in $lists} {
             dict lappend found $name $value
+        } elseif {[dict get $found $name] ne {}} {
+            error "$path: $line: $name is given twice"
         } else {
             dict set found $name $value
         }

@@ -45,7 +45,8 @@ set headers [glob -directory [dict get $o include] *.svh]
 add_files $headers
 set_property file_type {Verilog Header} [get_files $headers]
 set_property top [dict get $o top] [current_fileset]
-set_property include_dirs [dict get $o include] [current_fileset]
+# A list, of one folder, in whose name may be spaces.
+set_property include_dirs [list [dict get $o include]] [current_fileset]
 set_property generic [dict get $o generic] [current_fileset]
 update_compile_order -fileset sources_1
 ipx::package_project -root_dir $out -vendor [dict get $o vendor] -library [dict get $o library] \
@@ -55,10 +56,12 @@ set_property name [dict get $o top] $core
 set_property version [dict get $o version] $core
 set_property display_name [dict get $o top] $core
 set_property description [dict get $o description] $core
-# Of the configuration that the ports' widths are of, and no other.
+# Of the configuration that the ports' widths are of, and no other. An instance takes the user's value for
+# that of the HDL, so both are set, and nobody can set it to another.
 foreach generic [dict get $o generic] {
     lassign [split $generic =] name value
     set_property value $value [ipx::get_hdl_parameters $name -of_objects $core]
+    set_property value $value [ipx::get_user_parameters $name -of_objects $core]
     set_property value_resolve_type immediate [ipx::get_user_parameters $name -of_objects $core]
 }
 # Those that the packager guessed.

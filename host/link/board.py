@@ -39,6 +39,8 @@ _TAKEOVER_SECONDS = 5.0
 _BETWEEN_HELLOS = 0.05
 # A run without news: one clock a facet pair, and a simulated board of 50,000 clocks a second.
 _SILENT_SECONDS, _SECONDS_PER_PAIR = 30.0, 20e-6
+# The engine reads its meshes again a triangle a clock.
+_SECONDS_PER_TRIANGLE = 10e-9
 
 # Codes by which the board tells that it has forgotten, or never had, what we have sent.
 _LOST = (Code.BAD_SEQUENCE, Code.OUT_OF_PLACE, Code.COUNTS_DIFFER, Code.EMPTY_MESH, Code.BUSY)
@@ -131,6 +133,8 @@ class Board:
             self._expect("triangles loaded", loaded.count, first + len(some))
             self._expect("signature of the mesh loaded", loaded.signature, signature)
             progress(len(some))
+        # The engine reads it again meanwhile: see the assumptions of docs/safety.md.
+        self._line.wait(limit * _SECONDS_PER_TRIANGLE)
         self._counts[mesh] = len(triangles)
 
     def run(

@@ -26,6 +26,7 @@ class SessionLostError(LinkError):
     """The board stands elsewhere than the host thinks; starting again from HELLO may help."""
 
 
+# The most that the board's USB bridge has; the top's ClocksPerThreeBits.
 BAUD = 12_000_000
 # So long a silence is short against every time limit of the link.
 _SLICE_SECONDS = 0.002

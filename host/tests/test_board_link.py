@@ -218,6 +218,16 @@ def test_more_near_pairs_than_the_ring_holds(top, rng):
     assert near_of(board_on(top), a, b, margin=20) == [[i, j] for i in range(40) for j in range(30)]
 
 
+def test_a_mesh_is_left_alone_until_the_board_has_read_it_again(top, rng, monkeypatch):
+    board, waited = board_on(top), []
+    board.hello()
+    monkeypatch.setattr(board._line, "wait", waited.append)
+    for mesh in Mesh:
+        board.load(mesh, rng.integers(-9, 9, (40, 3, 3)))
+    # As if it were full, a triangle a clock of 10 ns.
+    assert waited == [pytest.approx(512 * 10e-9)] * 2
+
+
 def interrupt(*_):
     raise KeyboardInterrupt
 

@@ -1,6 +1,7 @@
 """``triaxis fpga``: resources and timing of the design on its part; the gate before a bitstream."""
 
 import argparse
+import shlex
 import sys
 from collections.abc import Mapping
 from pathlib import Path
@@ -212,8 +213,9 @@ def _ip(options: argparse.Namespace) -> int:
     print(f"{one.top}: {', '.join(f'{name}={value}' for name, value in one.parameters.items())}")
     print(f"streams: {', '.join(one.streams)}; ports: {len(one.ports)}; files: {len(one.sources)}")
     print(f"written to {written}; a package of Vivado of it:")
-    options_file = written.with_name("options.txt")
-    print(f"  vivado -mode batch -notrace -source {ip_xact.PACKAGE_SCRIPT} -tclargs {options_file}")
+    options_file = str(written.with_name("options.txt"))
+    command = ["vivado", "-mode", "batch", "-notrace", "-source", str(ip_xact.PACKAGE_SCRIPT)]
+    print(f"  {shlex.join([*command, '-tclargs', options_file])}")
     return DONE
 
 
