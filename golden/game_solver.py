@@ -17,7 +17,7 @@ from dataclasses import dataclass
 from itertools import product
 from math import lcm
 
-from triaxis.golden.exact import Rational, Triangle
+from triaxis.golden.exact import Rational, Scalar, Triangle
 from triaxis.golden.solver import BestAxis, NearestPoints
 
 _ROWS, _COLUMNS = 6, 9
@@ -108,6 +108,11 @@ def _leaving(tableau: Sequence[Sequence[int]], inside: Sequence[int], column: in
     return best
 
 
+def _times(x: Scalar, scale: int) -> int:
+    """Return x * scale, which is whole, whatever fixed number of bits x may be in."""
+    return int(x.numerator) * (scale // int(x.denominator))
+
+
 class GameSolver:
     """A DistanceSolver of our own. Of the last two triangles both programs are solved at once."""
 
@@ -133,8 +138,8 @@ class GameSolver:
         # Read once: other threads may ask meanwhile.
         last = self._last
         if last is None or last[0] != asked:
-            scale = lcm(*(x.denominator for triangle in asked for vertex in triangle for x in vertex))
-            whole = [[[int(x * scale) for x in v] for v in triangle] for triangle in asked]
+            scale = lcm(*(int(x.denominator) for triangle in asked for vertex in triangle for x in vertex))
+            whole = [[[_times(x, scale) for x in v] for v in triangle] for triangle in asked]
             differences = [[p - q for p, q in zip(v, w, strict=True)] for v, w in product(*whole)]
-            self._last = last = asked, _solve(differences, int(scale))
+            self._last = last = asked, _solve(differences, scale)
         return last[1]

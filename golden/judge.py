@@ -43,20 +43,20 @@ def judge(a: Triangle, b: Triangle, margin: Scalar, solver: DistanceSolver = SOL
     """Decide near(A, B, margin) exactly, for integers or fractions of any size.
 
     Raises CertificateError where the solver's certificate fails the checker, or does not show the distance:
-    the axis that it is no less, and of near pairs the points that it is no more.
+    the axis that it is no less, the points that it is no more.
     """
     best = solver.best_axis(a, b)
     if axis_gap(a, b, best.axis) < best.distance or sum(map(abs, best.axis)) > 1:
         raise CertificateError(f"axis {best.axis} does not show {a} and {b} apart by {best.distance}")
-    if best.distance > margin:
-        if not axis_proves_clear(a, b, margin, best.axis):
-            raise CertificateError(f"axis {best.axis} does not separate {a} and {b} by {margin}")
-        return Judgement(False, _fraction(best.distance), None, best)
     nearest = solver.nearest_points(a, b)
     if nearest.distance != best.distance:
         raise CertificateError(f"{a} and {b}: distance {nearest.distance}, dual {best.distance}")
     if not witness_proves_near(a, b, nearest.distance, nearest.weights_a, nearest.weights_b):
         raise CertificateError(f"{nearest} does not show how near {a} and {b} are")
+    if best.distance > margin:
+        if not axis_proves_clear(a, b, margin, best.axis):
+            raise CertificateError(f"axis {best.axis} does not separate {a} and {b} by {margin}")
+        return Judgement(False, _fraction(best.distance), None, best)
     return Judgement(True, _fraction(nearest.distance), nearest, None)
 
 

@@ -38,7 +38,9 @@ def target(compiler: str) -> str:
     Raises InputError where there is no such compiler, or it is too old.
     """
     if shutil.which(compiler) is None:
-        raise InputError(f"{compiler}: not found: install it (Debian: apt-get install g++), or set CXX")
+        raise InputError(
+            f"{compiler}: not found: install it (Debian: apt-get install g++), or set CXX to one program"
+        )
     command = [compiler, *_FLAGS[:3], "-dM", "-E", "-x", "c++", os.devnull]
     answer = subprocess.run(command, capture_output=True, text=True, check=False, env=_english())
     if answer.returncode:

@@ -16,7 +16,6 @@ import numpy.typing as npt
 
 from triaxis.golden.bulk import bulk_claims
 from triaxis.golden.errors import InputError
-from triaxis.golden.exact import Triangle
 from triaxis.golden.judge import judge
 from triaxis.golden.pairs import NO_AXIS, Pairs
 from triaxis.host.broadphase import candidates
@@ -189,11 +188,4 @@ def distance_of(mesh_a: StlMesh, i: int, mesh_b: StlMesh, j: int, move: Vector) 
     """Return the exact Chebyshev distance of facet i of A, after an exact move, and facet j of B."""
     a = [[Fraction(float(x)) + m for x, m in zip(vertex, move, strict=True)] for vertex in mesh_a.facets[i]]
     b = [[Fraction(float(x)) for x in vertex] for vertex in mesh_b.facets[j]]
-    return proven_distance(a, b)
-
-
-def proven_distance(a: Triangle, b: Triangle) -> Fraction:
-    """Return the exact Chebyshev distance of two triangles: shown by an axis, and by two points."""
-    # Of pairs that it finds clear the judge shows that they are no nearer, and not that they are no farther:
-    # so it is asked about a margin that no pair is farther apart than.
-    return judge(a, b, sum(abs(x) for triangle in (a, b) for vertex in triangle for x in vertex)).distance
+    return judge(a, b, 0).distance

@@ -97,7 +97,7 @@ class BoardParameters:
 _NAME = re.compile(r"board_w(\d+)_m(\d+)_d(\d+)_g(\d+)_l(\d+)(_plain)?(_real)?")
 # In which times are short enough to be waited for again and again, and no powers of two, by which a counter
 # could be right without being asked; the number has bytes that framing escapes.
-_TIMES = {"watchdog_clocks": 60_000, "hold_clocks": 1_700, "clocks_per_three_bits": 19, "digit_clocks": 15}
+_TIMES = {"watchdog_clocks": 60_000, "hold_clocks": 1_700, "clocks_per_three_bits": 17, "digit_clocks": 15}
 _BUILD_ID = 0xC0DBDCDD
 
 

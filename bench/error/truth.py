@@ -1,8 +1,8 @@
 """Exact distances of pairs of float32 triangles as they are, rounded to no grid: what verdicts are held to.
 
-The golden model solves each pair over the rationals and checks its own certificates, that it is no nearer and
-no farther (docs/theory.md, section 8); a float32 is a rational. The answers are kept in build/bench/truth/
-under a hash of the triangles and of the model's sources.
+The golden model solves each pair over the rationals and checks its own certificate (docs/theory.md,
+section 8); a float32 is a rational. The answers are kept in build/bench/truth/ under a hash of the triangles
+and of the model's sources.
 """
 
 import hashlib
@@ -17,19 +17,16 @@ import numpy.typing as npt
 
 from triaxis.bench import harness
 from triaxis.golden.exact import Rational, Triangle
+from triaxis.golden.judge import judge
 from triaxis.golden.outputs import write_whole
 from triaxis.golden.processes import in_processes
-from triaxis.host.scene import proven_distance
 from triaxis.sim.build import content_hash
 from triaxis.sim.paths import ROOT
 
 # (N, 3, 3): triangle, vertex, coordinate.
 Triangles = npt.NDArray[np.float32]
 
-_MODEL = (
-    *(f"golden/{name}.py" for name in ("certificate", "exact", "game_solver", "judge", "solver")),
-    "host/scene.py",
-)
+_MODEL = ("certificate.py", "exact.py", "game_solver.py", "judge.py", "solver.py")
 # Pairs that a process takes at a time.
 _CHUNK = 500
 
@@ -72,7 +69,7 @@ def exact_truth(a: Triangles, b: Triangles, folder: Path | None = None) -> Truth
 
 
 def _key(a: Triangles, b: Triangles) -> str:
-    digest = hashlib.sha256(content_hash([ROOT / name for name in _MODEL]).encode())
+    digest = hashlib.sha256(content_hash([ROOT / "golden" / name for name in _MODEL]).encode())
     for triangles in (a, b):
         digest.update(np.ascontiguousarray(triangles).tobytes())
     return digest.hexdigest()[:24]
@@ -80,4 +77,4 @@ def _key(a: Triangles, b: Triangles) -> str:
 
 def _solve(chunk: tuple[Triangles, Triangles]) -> list[Fraction]:
     pairs = zip(*chunk, strict=True)
-    return [proven_distance(exact_triangle(a), exact_triangle(b)) for a, b in pairs]
+    return [judge(exact_triangle(a), exact_triangle(b), 0).distance for a, b in pairs]

@@ -24,6 +24,7 @@ from triaxis.bench.harness import Progress
 from triaxis.bench.stress.families import FAMILIES, Family
 from triaxis.bench.stress.orders import METHODS, Answers, Mask, OrderErrors, errors, method_errors
 from triaxis.golden.bulk import bulk_facts
+from triaxis.golden.judge import judge
 from triaxis.golden.processes import in_processes
 from triaxis.host.quantise import (
     Grid,
@@ -35,7 +36,6 @@ from triaxis.host.quantise import (
     margin_for,
     quantise,
 )
-from triaxis.host.scene import proven_distance
 from triaxis.sim.core_engine import RtlEngine, configuration_for
 from triaxis.sim.result import NEAR
 from triaxis.verif.core.stimulus.stimulus import Ints, Pairs32, chosen_rows
@@ -57,7 +57,7 @@ class ExactPairs:
         """Judge the sample, or all pairs."""
         self._pairs = pairs.astype(np.int32) if bulk else None
         self._sample = np.arange(0, len(pairs), JUDGED_ONE_IN if bulk else 1)
-        self._distances = [proven_distance(a, b) for a, b in chosen_rows(pairs, self._sample).tolist()]
+        self._distances = [judge(a, b, 0).distance for a, b in chosen_rows(pairs, self._sample).tolist()]
         self.judged, self.contradicted = len(self._distances), 0
 
     def within(self, limit: int) -> Mask:

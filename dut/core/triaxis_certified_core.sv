@@ -41,6 +41,10 @@ module triaxis_certified_core
     output logic [TAG-1:0] m_axis_tuser_o
 );
 
+  if (TAG == 0 || TAG > 64 - $bits(try_t)) begin : g_bad_tag
+    $fatal(1, "TAG must be 1..57: what goes with a pair has at most 64 bits");
+  end
+
   localparam int unsigned Depth = 2 ** $clog2(certified_latency(W, M));
   localparam int unsigned PlaceWidth = $clog2(Depth);
   localparam int unsigned Wait = certifier_latency(W);

@@ -150,6 +150,7 @@ def test_what_is_no_component_is_refused(tmp_path, capsys):
         (["triaxis_mesh", "Group=128"], "Group at most 64"),
         (["triaxis_mesh", "CycleBits=65"], "CycleBits must be 2..64"),
         (["triaxis_core", "TAG=65"], "TAG must be 1..64"),
+        (["triaxis_certified_core", "TAG=58"], "TAG must be 1..57"),
     ):
         assert main(["fpga", "ip", *words, "--out", str(tmp_path / "ip")]) == 2
         assert why in capsys.readouterr().err and not (tmp_path / "ip").exists()

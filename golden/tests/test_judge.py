@@ -57,6 +57,8 @@ def test_parallel_gives_the_same(rng, monkeypatch):
 LIES = {
     "distance": lambda best: {"distance": best.distance + 1},
     "axis": lambda best: {"axis": (best.axis[1], best.axis[2], best.axis[0])},
+    # Of clear pairs a nearer distance, and an axis that shows as much: of both, half.
+    "half": lambda best: {"distance": best.distance / 2, "axis": tuple(x / 2 for x in best.axis)},
     "weights": lambda nearest: {"weights_a": (Fraction(2), Fraction(-1), Fraction(0))},
     "optimum": lambda nearest: {"distance": nearest.distance + Fraction(1, 7)},
 }
@@ -71,7 +73,7 @@ class LyingSolver(GameSolver):
 
     def best_axis(self, a, b):
         best = super().best_axis(a, b)
-        return replace(best, **LIES[self.lie](best)) if self.lie in ("distance", "axis") else best
+        return replace(best, **LIES[self.lie](best)) if self.lie in ("distance", "axis", "half") else best
 
     def nearest_points(self, a, b):
         nearest = super().nearest_points(a, b)
@@ -79,9 +81,23 @@ class LyingSolver(GameSolver):
 
 
 @pytest.mark.parametrize(
-    ("lie", "height", "margin"), [("distance", 3, 3), ("axis", 5, 1), ("weights", 3, 3), ("optimum", 3, 5)]
+    ("lie", "height", "margin"),
+    [
+        ("distance", 3, 3),
+        ("axis", 5, 1),
+        ("half", 5, 1),
+        ("weights", 3, 3),
+        ("weights", 3, 1),
+        ("optimum", 3, 5),
+    ],
 )
 def test_a_lying_solver_is_caught(lie, height, margin):
     judge(FLAT, lifted(FLAT, height), margin, LyingSolver("none"))
     with pytest.raises(CertificateError):
         judge(FLAT, lifted(FLAT, height), margin, LyingSolver(lie))
+
+
+def test_fixed_numbers_of_bits_do_not_run_over():
+    a = [[Fraction(1, 8) if k == n else Fraction(0) for k in range(3)] for n in range(3)]
+    b = [list(np.array([1 << 30, k, n], np.int32)) for k, n in ((0, 0), (1, 0), (0, 1))]
+    assert judge(a, b, 0).distance == (1 << 30) - Fraction(1, 8)
