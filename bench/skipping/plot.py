@@ -59,19 +59,19 @@ def figure_of(result: SkippingResult) -> Figure:
     """Return the picture of a result."""
     with look.chart(_INCHES, _DPI) as figure:
         grid = figure.add_gridspec(
-            2, 2, left=0.17, right=0.985, top=0.895, bottom=0.06, hspace=0.48, wspace=0.12,
+            2, 2, left=0.17, right=0.985, top=0.885, bottom=0.06, hspace=0.48, wspace=0.12,
             height_ratios=(1.1, 1),
         )  # fmt: skip
         hardware, software = result.totals
         figure.text(0.012, 0.968, "Skipping what a scene does not need", fontsize=LARGE + 5, weight="bold")
         figure.text(
-            0.012, 0.944,
+            0.012, 0.961,
             f"All scenes, with margins: {hardware.cycles_without_skipping:,} facet pairs in "
             f"{hardware.cycles:,} cycles of the mesh engine, and {hardware.cycles_to_load:,} to load them;\n"
             f"the bulk checker takes {software.seconds_all_pairs:.2f} s alone, "
             f"{software.seconds_behind_boxes:.3f} s behind the broad phase. Every answer is exact, with and "
             "without skipping.",
-            fontsize=NORMAL + 1,
+            fontsize=NORMAL + 1, va="top",
         )  # fmt: skip
         _draw_stages(figure.add_subplot(grid[0, 0]), result.scenes)
         _draw_times(figure.add_subplot(grid[0, 1]), result)
