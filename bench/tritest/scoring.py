@@ -153,16 +153,17 @@ def score(command: Sequence[str], asked: Sequence[Asked], progress: Callable[[in
         name, pairs = one.family.name, one.family.pairs
         if whole:
             own, said = said[:pairs], said[pairs:]
+            # It answered all, and ended badly all the same.
+            ending = how if one is asked[-1] else None
         else:
-            own, how, told = _run(command, [one])
+            own, ending, told = _run(command, [one])
             found.said = found.said or told
-            if len(own) < pairs:
-                found.ended[name] = how or f"{len(own)} answers to {pairs} pairs"
-                # One that failed is believed up to there, one that left a pair out is not.
-                own = [*own, *[UNTOLD] * (pairs - len(own))] if how else [UNTOLD] * pairs
-        # It answered all, and ended badly all the same.
-        if how is not None and (not whole or one is asked[-1]):
-            found.ended[name] = how
+        if missing := pairs - len(own):
+            # One that failed is believed up to there, one that left a pair out is not.
+            own = [*own, *[UNTOLD] * missing] if ending else [UNTOLD] * pairs
+            ending = ending or f"{pairs - missing} answers to {pairs} pairs"
+        if ending is not None:
+            found.ended[name] = ending
         found.add(one, own)
         progress(1)
     return found
