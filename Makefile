@@ -80,7 +80,7 @@ nightly: $(READY) $(DVSIM) ## a billion pairs on dvsim, with many seeds, and all
 four-state: $(READY) $(YOSYS) ## the tests on the pins with unknown values (Debian: apt-get install iverilog)
 	@$(BIN)/triaxis regress four-state --seed $(SEED)
 
-mutate: $(READY) $(YOSYS) ## change dut/ in 8,300 ways; see each noticed by a test, or shown to change nothing
+mutate: $(READY) $(YOSYS) ## change dut/ in 8,400 ways; see each noticed by a test, or shown to change nothing
 	@$(BIN)/triaxis prove mutate --seed $(SEED)
 
 faults: $(READY) ## put in the faults of the replaced design and of the board, and see each caught

@@ -43,8 +43,8 @@ _PLANES = {"G17": (0, 1, 2), "G18": (2, 0, 1), "G19": (1, 2, 0)}
 _NOT_NEGATIVE = "FSTNHDL"
 # Millimetres: what rounds to 0 is 0 to a control.
 _LEAST_TOLERANCE = Rational(1, 1000)
-# Holes that one line may drill.
-_MOST_HOLES = 10_000
+# Holes that one line may drill, and turns of one arc.
+_MOST_HOLES = _MOST_TURNS = 10_000
 # Words that may stand beside the one that begins a NURBS.
 _BESIDE_NURBS = frozenset(("G17", "G18", "G19", "G20", "G21", "G61", "G90", "G91", "G93", "G94"))
 # Where controls differ.
@@ -570,8 +570,8 @@ class Interpreter:
         if motion in ARCS:
             plane, clockwise = _PLANES[self.modal.plane], motion == "G2"
             turns = _whole(words["P"]) if "P" in words else 1
-            if turns < 1:
-                raise ValueError("an arc of no turns: give P1 or more")
+            if not 1 <= turns <= _MOST_TURNS:
+                raise ValueError(f"an arc of {turns} turns: give P1 to P{_MOST_TURNS}")
             if "R" in given:
                 if given.keys() & set("IJK"):
                     raise ValueError("an arc by R and a centre: give one of them")

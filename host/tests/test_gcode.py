@@ -985,6 +985,7 @@ NOT_PASSED_OVER = [
     ("F9 G2 X0 I5\nR10", "R10", "not on the line"),
     ("G0 G92 X1", "G92", "split it"), ("G92\nG0 X1", "G92", "give one"), ("G53 G28 X0", "G28", "split it"),
     ("M61 Q1.7\nG0 X1", "Q1.7", "whole number"), ("M61\nG0 X1", "M61", "give Q"),
+    ("F9 G2 X0 I5 P0", "G2", "give P1 to"), ("F9 G2 X0 I5 P10001", "G2", "give P1 to P10000"),
     ("F9 G2 X0 I5 P1.5", "P1.5", "whole number"), ("F9 G98 G81 X1 R2 Z-1 L0", "L0", "repeats 1 to"),
     ("O1 if [0]\nO2 if [1]\nG0 X2\nO1 endif\nO2 endif", "O endif", "another name"),
     ("O1 sub\nO1 endsub\nO1 sub\nO1 endsub\nG0 X1", "O<1>", "second subroutine"),

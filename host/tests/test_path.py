@@ -532,9 +532,6 @@ def test_a_start_that_nobody_gave_is_said(path):
     assert (status, ASSUMED in said) == (0, False)
 
 
-STOCK = scenes.box((-500, -500, -500), (500, 500, 500))
-
-
 @pytest.mark.parametrize(
     ("facets", "program", "words", "status", "verdict", "state", "line"),
     [

@@ -122,7 +122,7 @@ HOLE = "a.sv:3: toggle x[1]:0->1, TOP.triaxis_core, w16_m0"
         (coverage(replace(all_hit(), problems=["a waiver"])), "a waiver", "a waiver"),
         (
             replace(coverage(all_hit()), changed=True),
-            "the RTL, or its environment, changed during the run",
+            CHANGED,
             "changed during",
         ),
     ],
