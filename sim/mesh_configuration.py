@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 from triaxis.golden.errors import InputError
 from triaxis.golden.pairs import check_width
+from triaxis.sim.configuration import Configuration
 
 # All that is simulated, and all that the RTL takes.
 MOST_DEPTH, MOST_GROUP, MOST_LANES = 65536, 64, 32
@@ -84,6 +85,12 @@ class MeshConfiguration:
     def max_cycles(self) -> int:
         """Return the number at which the count of clocks stays."""
         return (1 << self.cycle_bits) - 1
+
+    @property
+    def most_in_flight(self) -> int:
+        """Return how many pairs may be in the core, or on their way to it: InFlight of triaxis_mesh."""
+        core = Configuration(self.width, self.margin_bits, certified=self.certified)
+        return core.queue_depth + 2
 
     @property
     def parameters(self) -> dict[str, int]:

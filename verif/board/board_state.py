@@ -99,6 +99,8 @@ class Run:
     ended: int = 0
     overflow: bool = False
     maybe_aborted: bool = False
+    # It was cut off so long before it ended that it cannot have ended by itself.
+    cut_off: bool = False
     fails: bool = False
     may_fail: bool = False
     persists: bool = False

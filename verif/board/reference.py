@@ -53,6 +53,9 @@ from triaxis.verif.mesh.items import WHICHES, ObservedRun, RunAccepted, RunReque
 _ANSWERED, _RUN_ENDS, _PAIR = 4000, 1000, 4
 # One that is cut off, when the pairs on their way have come out of the core: at most some 80 clocks.
 _CUT_OFF = 256
+# One that ends by itself, when it had come so far that an abort is no longer looked at: with pairs on their
+# way where it stops at a near one.
+_ENDS_BY_ITSELF = 96
 # Clocks that the cycles of a run do not count: until the engine takes the run.
 _NOT_COUNTED = 1
 
@@ -237,7 +240,9 @@ class BoardReference:
         run = self.run
         run.state, run.ended = State.DONE, self.clock
         self.runs += 1
-        run.maybe_aborted = bool(self.held and self.held.command in (Command.ABORT, Command.HELLO))
+        cut = self.held if self.held and self.held.command in (Command.ABORT, Command.HELLO) else None
+        run.maybe_aborted = cut is not None
+        run.cut_off = bool(cut and cut.due and self.clock > cut.due + _ENDS_BY_ITSELF)
         if run.fails and not run.maybe_aborted:
             self._fail()
         if run.scrub_finds and not run.maybe_aborted:

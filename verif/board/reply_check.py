@@ -3,9 +3,10 @@
 import struct
 from collections.abc import Callable
 
+import numpy as np
+
 from triaxis.verif.board.board_state import ALL_ZONES, Due, Run
 from triaxis.verif.board.protocol import (
-    COUNTERS,
     MOST_NEAR,
     REPLY,
     Command,
@@ -17,6 +18,10 @@ from triaxis.verif.board.protocol import (
     Status,
 )
 from triaxis.verif.board.protocol import End as RunEnd
+from triaxis.verif.mesh.expectation import walked
+
+# Counters of the engine that the status block calls otherwise.
+_NAMED = {"group_pairs_skipped": "groups_skipped", "group_pairs_opened": "groups_opened"}
 
 
 class ReplyCheck:
@@ -66,12 +71,7 @@ class ReplyCheck:
         if run.maybe_aborted and status.state == State.DONE:
             expected = _some_zones(run, expected, status)
         if run.maybe_aborted or stopped:
-            # How far it came nobody knows; not too far.
-            for name in COUNTERS[1:]:
-                if getattr(status, name) <= getattr(expected, name):
-                    expected = expected._replace(**{name: getattr(status, name)})
-            if stopped and not run.maybe_aborted:
-                expected = expected._replace(near=1)
+            expected = _so_far(run, expected, status, stopped and not run.maybe_aborted)
         if status.state == State.DONE:
             self.near = status.near
         if status != expected:
@@ -99,6 +99,31 @@ def faulty(status: Status) -> Status:
     """Return a status as it is where a check has failed."""
     end = status.end if status.end == RunEnd.NONE else RunEnd.FAULT
     return status._replace(flags=status.flags | 1 << Flag.FAULT, end=end)
+
+
+def _so_far(run: Run, expected: Status, status: Status, stopped: bool) -> Status:
+    """Return what is expected of a run that ended early: how far it came only what it has tested tells.
+
+    ``stopped``: by itself, at its first near pair.
+    """
+    answer, tested = run.answer, status.tested
+    if answer is None or tested > answer.tested:
+        return expected
+    near = answer.near[tuple(answer.to_be_tested.T)]
+    least = walked(answer, tested)
+    most = {name: getattr(answer, name) for name in least}
+    found = int(near[:tested].sum())
+    # With zones the verdicts are not in the order of the scan.
+    least |= {"tested": 0, "near": 0 if run.wider else found}
+    most |= {"tested": tested, "near": min(tested, run.near) if run.wider else found}
+    if stopped:
+        least["tested"], least["near"] = 1 if run.wider else int(np.argmax(near)) + 1, 1
+        most["tested"], most["near"] = tested if run.wider else least["tested"], 1
+    for name, low in least.items():
+        told = getattr(status, _NAMED.get(name, name))
+        counted = told if low <= told <= most[name] else low
+        expected = expected._replace(**{_NAMED.get(name, name): counted})
+    return expected
 
 
 def _some_zones(run: Run, expected: Status, status: Status) -> Status:
@@ -130,7 +155,7 @@ def _taken(run: Run, first: int, pairs: Integers) -> bool:
 
 def _ended_as(run: Run, status: Status) -> bool:
     """Return whether a run ended by itself; only an abort that came in time ends it else."""
-    if run.maybe_aborted and status.end == RunEnd.ABORTED:
+    if run.maybe_aborted and (status.end == RunEnd.ABORTED or run.cut_off):
         return False
     if run.maybe_aborted and status.end == run.end:
         run.maybe_aborted = False

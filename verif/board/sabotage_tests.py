@@ -12,7 +12,7 @@ from triaxis.verif.board.line_agent import LineMonitor, Seen
 from triaxis.verif.board.uvm_tests import BoardSmokeTest
 from triaxis.verif.testbench.sabotage import lie_about
 
-_END, _GO, _STOP = 0xC0, 0b101, 0b1010
+_GO, _STOP = 0b101, 0b1010
 
 
 class _SabotagedTest(BoardSmokeTest):

@@ -65,7 +65,8 @@ class CoreTest(EnvironmentTest):
         await self.stimulus()
         await self.drain()
         watchdog.cancel()
-        self.env.scoreboard.sent = self.env.source.driver.next_tag
+        board = self.env.scoreboard
+        board.sent, board.resets_sent = self.env.source.driver.next_tag, self.resets
 
     async def send(self, sequence: uvm_sequence) -> None:
         """Run a sequence on the input agent."""

@@ -216,6 +216,8 @@ class Scoreboard(CountingScoreboard):
         about_pairs = [failure for failure in failures if failure.pair is not None]
         if about_pairs:
             write_failing_pairs(failure_file(folder), about_pairs)
+        if matcher.resets != self.resets_sent:
+            raise AssertionError(f"{self.resets_sent} resets sent, {matcher.resets} seen")
         if matcher.accepted != self.sent:
             raise AssertionError(f"{self.sent} pairs sent, {matcher.accepted} seen accepted")
         # One that was dropped and one too many make up for each other in the checks of the matcher.

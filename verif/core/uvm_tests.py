@@ -350,6 +350,12 @@ class ResetsTest(CoreTest):
                 await self.reset(cycles, int(moments.integers(0, PERIOD_NS - 1)))
         await self.send(StimulusSequence(make, self.settings, 64))
 
+    def check_phase(self) -> None:
+        """Fail also where no reset found a pair in flight."""
+        super().check_phase()
+        if not self.env.scoreboard.matcher.discarded:
+            raise AssertionError("no pair was in flight at a reset: nothing was checked")
+
 
 @listed("V3")
 class ReplayTest(CoreTest):

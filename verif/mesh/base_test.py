@@ -19,7 +19,7 @@ class MeshEngineTest(EnvironmentTest):
             (
                 "s_axis_load_tready_o", "count_a_o", "count_b_o", "overfull_o", "signature_a_o",
                 "signature_b_o", "s_axis_run_tready_o",
-                "busy_o", "m_axis_near_tvalid_o", "m_axis_done_tvalid_o",
+                "busy_o", "m_axis_near_tvalid_o", "m_axis_done_tvalid_o", "fault_o",
             )
         ),
         "m_axis_near_tdata_o": "m_axis_near_tvalid_o",
@@ -50,6 +50,7 @@ class MeshEngineTest(EnvironmentTest):
         await self.clocks(_SURPLUS_CYCLES)
         board, env = self.env.scoreboard, self.env
         board.runs_sent, board.triangles_sent = env.run_agent.driver.sent, env.load.driver.sent
+        board.resets_sent = self.resets
 
     async def send(self, scene: Scene) -> SceneSequence:
         """Load a scene and run its runs; return what was sent."""

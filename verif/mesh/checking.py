@@ -27,6 +27,7 @@ from triaxis.verif.mesh.expectation import (
     moved,
     scrub_finds,
     tried,
+    walked,
 )
 from triaxis.verif.mesh.items import Integers, ObservedRun, Summary
 from triaxis.verif.mesh.sampling import row_of
@@ -149,9 +150,10 @@ class SceneChecker:
             if any(ran):
                 found.append(f"near pairs, pairs in the core, tested, near: {ran}: nothing was to be run")
             return found
-        if summary.status == Status.FAULT and not run.aborts and run.request.mode != Mode.FIRST:
+        if summary.status == Status.FAULT and not run.aborts:
             # It went on to its end.
-            summary = replace(summary, status=Status.COMPLETE)
+            stops = run.request.mode == Mode.FIRST and answer.near.any()
+            summary = replace(summary, status=Status.FIRST if stops else Status.COMPLETE)
         found += self._stream_problems(run, summary, answer)
         if summary.status == Status.COMPLETE:
             found += self._account_problems(summary, answer)
@@ -215,6 +217,7 @@ class SceneChecker:
         near, near_due = run.near_pairs, answer.near_pairs
         if run.request.zoned:
             near_due = in_order_of(near, near_due)
+            found += self._asking_problems(run)
         if run.request.mode == Mode.COUNT:
             near_due = near_due[:0]
         if run.request.mode == Mode.FIRST:
@@ -223,6 +226,19 @@ class SceneChecker:
             found.append(f"near pairs: {difference(near, near_due)}")
         if summary.status in (Status.COMPLETE, Status.FIRST) and len(near) != len(near_due):
             found.append(f"{len(near)} near pairs sent, {len(near_due)} are due")
+        return found
+
+    def _asking_problems(self, run: ObservedRun) -> list[str]:
+        """Compare how often, and in which order, the core was asked about pairs with the zones of a run."""
+        found: list[str] = []
+        times = run.times_asked
+        zones = len(set(run.request.margins))
+        if times.size and times.max() > zones:
+            found.append(f"a pair was asked about {times.max()} times, in {zones} zones")
+        last = {pair: number for number, pair in enumerate(map(tuple, run.asked.tolist()))}
+        verdicts = [last.get(pair, -1) for pair in map(tuple, run.near_pairs.tolist())]
+        if sorted(verdicts) != verdicts:
+            found.append("near pairs came in another order than the core was asked about them last")
         return found
 
     def _account_problems(self, summary: Summary, answer: SceneAnswer) -> list[str]:
@@ -241,28 +257,33 @@ class SceneChecker:
         ]
 
     def _partial_problems(self, run: ObservedRun, summary: Summary, answer: SceneAnswer) -> list[str]:
-        """Compare the counters of a run that ended early with its part of the scan."""
-        found: list[str] = []
+        """Compare the counters of a run that ended early with its part of the scan.
+
+        The walk is ahead of the core, and the core of its verdicts, by no more than is in flight.
+        """
+        reached, in_flight = len(run.core_pairs), self.configuration.most_in_flight
         due = answer.to_be_tested
         near = answer.near[due[:, 0], due[:, 1]]
-        if summary.tested > len(run.core_pairs):
-            found.append(f"{summary.tested} tested, {len(run.core_pairs)} reached the core")
-        # With zones the verdicts are not in the order of the scan.
-        known = not run.request.zoned
-        if known and summary.near != int(near[: summary.tested].sum()):
-            found.append(f"near {summary.near}, among the {summary.tested} tested: {near.sum()}")
+        least = {**walked(answer, min(reached, len(due))), "tested": max(0, reached - in_flight)}
+        most = {name: getattr(answer, name) for name in least} | {"tested": reached}
+        if run.request.zoned:
+            # The verdicts are not in the order of the scan.
+            most["near"] = min(int(near[:reached].sum()), summary.tested)
+            least["near"] = (
+                max(0, int(near[:reached].sum()) - in_flight) if run.request.mode != Mode.FIRST else 0
+            )
+        else:
+            least["near"] = most["near"] = int(near[: summary.tested].sum())
+        found = [
+            f"{name} {getattr(summary, name)}, {low} to {most[name]} are due where {reached} reached the core"
+            for name, low in least.items()
+            if not low <= getattr(summary, name) <= most[name]
+        ]
         if run.request.mode != Mode.COUNT and summary.near != len(run.near_pairs):
             found.append(f"near {summary.near}, {len(run.near_pairs)} were sent")
         last = near[max(0, summary.tested - 1) : summary.tested]
-        if summary.status == Status.FIRST and not (last.any() if known else summary.near):
+        if summary.status == Status.FIRST and not (summary.near if run.request.zoned else last.any()):
             found.append(f"stopped after {summary.tested} pairs, where none is near")
-        groups = answer.groups_apart.size
-        if summary.group_pairs_skipped > answer.group_pairs_skipped:
-            found.append(f"group_pairs_skipped {summary.group_pairs_skipped} of {groups}: too many")
-        if summary.group_pairs_opened > answer.group_pairs_opened:
-            found.append(f"group_pairs_opened {summary.group_pairs_opened} of {groups}: too many")
-        if summary.pairs_skipped > answer.pairs_skipped:
-            found.append(f"pairs_skipped {summary.pairs_skipped}, {answer.pairs_skipped} at most are due")
         return found
 
     def _judge(self, run: ObservedRun, answers: tuple[SceneAnswer, ...]) -> list[str]:

@@ -129,6 +129,25 @@ def _attempted(run: ObservedRun, answer: SceneAnswer, configuration: MeshConfigu
     return Tried(replace(answer, near=near), certain and not run.aborts, bool(faults.any()))
 
 
+def walked(answer: SceneAnswer, tested: int) -> dict[str, int]:
+    """Return what a walk has counted at least, by counter, that was as far as so many tested pairs."""
+    if not tested:
+        return dict.fromkeys(("group_pairs_skipped", "group_pairs_opened", "pairs_skipped"), 0)
+    i, j = answer.to_be_tested[tested - 1].tolist()
+    group, apart = answer.group, answer.groups_apart
+    row, column = i // group, j // group
+    skipped = int(apart[:row].sum() + apart[row, :column].sum())
+    # In groups that are not skipped, up to the pair itself.
+    boxes = answer.boxes_apart & ~answer.in_groups_apart
+    here = boxes[row * group :, column * group : (column + 1) * group]
+    before = boxes[: row * group].sum() + boxes[row * group : (row + 1) * group, : column * group].sum()
+    return {
+        "group_pairs_skipped": skipped,
+        "group_pairs_opened": apart[:row].size + column + 1 - skipped,
+        "pairs_skipped": int(before + here[: i % group].sum() + here[i % group, : j % group].sum()),
+    }
+
+
 def begins(whole: Integers, part: Integers) -> bool:
     """Return whether pairs (N, 2) begin with pairs (K, 2)."""
     return len(part) <= len(whole) and bool((whole[: len(part)] == part).all())

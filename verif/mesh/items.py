@@ -312,17 +312,26 @@ class ObservedRun:
         return np.concatenate([NO_PAIRS, *(part.pairs for part in self.near)])
 
     @property
+    def asked(self) -> Integers:
+        """Return the pairs that the core accepted, (K, 2), as often as it did."""
+        return np.concatenate([NO_PAIRS, *(part.pairs for part in self.reached)])
+
+    @property
     def core_pairs(self) -> Integers:
         """Return the pairs that the core accepted, (K, 2), each where it was asked first."""
-        every = np.concatenate([NO_PAIRS, *(part.pairs for part in self.reached)])
         if not self.request.zoned:
-            return every
-        return every[np.sort(np.unique(every, axis=0, return_index=True)[1])]
+            return self.asked
+        return self.asked[np.sort(np.unique(self.asked, axis=0, return_index=True)[1])]
+
+    @property
+    def times_asked(self) -> Integers:
+        """Return how often the core was asked about each of them, (K,), in no order."""
+        return np.unique(self.asked, axis=0, return_counts=True)[1]
 
     @property
     def asked_again(self) -> int:
         """Return how often the core was asked about a pair once more."""
-        return sum(len(part.pairs) for part in self.reached) - len(self.core_pairs)
+        return len(self.asked) - len(self.core_pairs)
 
     @property
     def near_wait(self) -> int | None:

@@ -177,6 +177,8 @@ class MeshScoreboard(CountingScoreboard):
             report(ERROR, message, "SCOREBOARD")
         if failed:
             raise AssertionError(f"{failed} failures, first: {messages[0]}")
+        if matcher.resets != self.resets_sent:
+            raise AssertionError(f"{self.resets_sent} resets sent, {matcher.resets} seen")
         if matcher.unfinished:
             raise AssertionError("a run without a summary")
         if (matcher.accepted, matcher.triangles) != (self.runs_sent, self.triangles_sent):

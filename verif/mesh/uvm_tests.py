@@ -53,6 +53,8 @@ _CROWD, _FULL_ONE_IN = 64, 6
 _LAST_RESET = 8.7
 # Scenes that are sent at least, whatever number of pairs was asked for.
 _LEAST_SCENES = 40
+# Scenes until a reset has ended a run, at most.
+_MOST_SCENES = 10 * _LEAST_SCENES
 # A run of mode all is complete; what is none of them is refused.
 _EVERY_MODE = (Mode.ALL, Mode.COUNT, Mode.FIRST, 3)
 # Of the attempts of the core, which has a test of its own, one in so many; a reset in place of an
@@ -148,6 +150,7 @@ class MeshLimitsTest(MeshEngineTest):
         await self.full_again()
         for place in (0, 1, 2, 5):
             await self.first_at(place)
+        await self.last_of_all()
 
     def of_sizes(self, count_a: int, count_b: int) -> Scene:
         """Return a scene of these sizes, one more than fits among them."""
@@ -164,6 +167,20 @@ class MeshLimitsTest(MeshEngineTest):
         a = np.array([[[0, 0, 0], [size, -size, 0], [0, size, -size]]])
         b = np.concatenate([np.repeat(a + 1, place, 0), a])
         await self.send(Scene(a, b, ((RunRequest(mode=Mode.FIRST), RunTraffic()),)))
+
+    async def last_of_all(self) -> None:
+        """Have the last triangle of a full mesh alone reach the core: of A, of B."""
+        depth = self.configuration.depth
+        triangle = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0]])
+        aside = np.array([self.shapes.reach - 2, 0, 0])
+        for counts in ((depth, 2), (2, depth)):
+            # The others are on either side of where these two are.
+            a, b = (
+                np.repeat(triangle[None] + way * aside, n, 0) for way, n in zip((1, -1), counts, strict=True)
+            )
+            a[-1] = b[-1] = triangle
+            runs = tuple((RunRequest(mode=mode), RunTraffic()) for mode in Mode)
+            await self.send(Scene(a, b, runs))
 
     async def full_again(self) -> None:
         """Fill both meshes in one place, where all is near; then see them emptied by loading less."""
@@ -305,7 +322,8 @@ class MeshResetsTest(MeshEngineTest):
         """Send scenes while resets strike; end with undisturbed ones."""
         moments = np.random.default_rng([self.settings.seed, *b"resets"])
         sent = 0
-        while self.unfinished or sent < _LEAST_SCENES:
+        matcher = self.env.scoreboard.matcher
+        while self.unfinished or sent < (_LEAST_SCENES if matcher.ended_by_reset else _MOST_SCENES):
             sent += 2
             traffic = cocotb.start_soon(self.send(random_scene(self.shapes)))
             await self.between_edges()
@@ -321,6 +339,12 @@ class MeshResetsTest(MeshEngineTest):
         """Return a scene; after a reset, at times one that empties no mesh, but relies on what it finds."""
         scene = random_scene(self.shapes, calm=True)
         return replace(scene, append=struck and bool(self.rng.integers(2)))
+
+    def check_phase(self) -> None:
+        """Fail also where no reset has ended a run."""
+        super().check_phase()
+        if not self.env.scoreboard.matcher.ended_by_reset:
+            raise AssertionError("no reset has ended a run: nothing was checked")
 
 
 @listed(

@@ -149,6 +149,8 @@ def _margin(kind: str | range, width: int, some: _Fewest) -> int:
 _PAIRS, _PAIRS_OF_DEPTH = 1 << 17, 400
 # The golden model judges few: the bulk checker checks every pair.
 _JUDGED, _JUDGED_SCENES = 10_000, 16
+# Random scenes of meshes so large seldom have a pair for the core that is far down in both.
+_DEEP = 8192
 # Replies of a board: its sessions as they always are, and a talk.
 _TALKS = {"BoardSmokeTest": 20, "BoardMixedTest": 60}
 _LABEL = "array"
@@ -165,6 +167,8 @@ def array_runs() -> Iterator[tuple[str, Runs]]:
         yield "MeshRandomTest", Runs((f"mesh_{engine.name}",), pairs, _JUDGED_SCENES, label=_LABEL)
         if pairs < _PAIRS:
             yield "MeshVolumeTest", Runs((f"mesh_{engine.name}",), _PAIRS, _JUDGED, label=_LABEL)
+        if engine.depth >= _DEEP:
+            yield "MeshLimitsTest", Runs((f"mesh_{engine.name}",), 1, _JUDGED_SCENES, label=_LABEL)
     for board in board_array():
         for test, replies in _TALKS.items():
             yield test, Runs((board.name,), replies, label=_LABEL)

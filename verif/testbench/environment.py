@@ -141,7 +141,12 @@ class Export(uvm_analysis_export):
 
 
 class CountingScoreboard(uvm_scoreboard):
-    """A scoreboard that leaves the counts of its run in a file."""
+    """A scoreboard that leaves the counts of its run in a file.
+
+    ``resets_sent``: those that the test says it gave, at its end.
+    """
+
+    resets_sent = 0
 
     def start_of_simulation_phase(self) -> None:
         """Start the clock on the wall, and that of the processor."""
@@ -177,6 +182,8 @@ class EnvironmentTest(uvm_test):
         # A generator of the test's own name, so that tests of one seed differ.
         self.rng = np.random.default_rng([self.settings.seed, *type(self).__name__.encode()])
         self.on_pins = self.settings.agent == PIN
+        # How many resets there were after the first.
+        self.resets = -1
         Path(self.settings.folder).mkdir(parents=True, exist_ok=True)
         self.bfm = self.pin_model() if self.on_pins else self.fast_model()
         for key, value in ((_SETTINGS, self.settings), (_DUT, self.dut), (_BFM, self.bfm)):
@@ -247,6 +254,7 @@ class EnvironmentTest(uvm_test):
 
     async def reset(self, cycles: int, late_ns: int = 0) -> None:
         """Hold what is under test in reset for some clocks, from some time after the edge on."""
+        self.resets += 1
         if self.bfm:
             await self.bfm.reset(cycles)
             return

@@ -13,11 +13,10 @@ module triaxis_core_sva #(
     input logic s_axis_tvalid_i,
     input logic s_axis_tready_o,
     input logic [PairWidth-1:0] pair,
-    input logic awake_q,
     input logic m_axis_tvalid_o,
     input logic m_axis_tready_i,
     input logic [15:0] m_axis_tdata_o,
-    input logic [31:0] tag,
+    input logic [63:0] tag,
     input logic [$clog2(Depth):0] in_flight_q,
     input logic push,
     input logic [$clog2(Depth):0] queued
@@ -47,38 +46,43 @@ module triaxis_core_sva #(
   ))
   else $error("a pair was withdrawn or changed while it waited");
 
-  // One pair per clock, at a fixed latency, for a user who has taken every result at once so far.
-  logic eager_q;
+  // One pair per clock as long as there is a place for it, at a fixed latency but for results that wait.
+  typedef logic [$clog2(Depth):0] count_t;
+  logic accepts, delivers, awake_q;
+  assign accepts  = s_axis_tvalid_i && s_axis_tready_o;
+  assign delivers = m_axis_tvalid_o && m_axis_tready_i;
+  count_t held_q, waiting_q;
   logic [Latency-1:0] accepted_q;
   always_ff @(posedge clk_i or negedge rst_ni) begin
     if (!rst_ni) begin
-      eager_q <= 1'b1;
+      awake_q <= 1'b0;
+      held_q <= '0;
+      waiting_q <= '0;
       accepted_q <= '0;
     end else begin
-      eager_q <= eager_q && m_axis_tready_i;
-      accepted_q <= {accepted_q[Latency-2:0], s_axis_tvalid_i && s_axis_tready_o};
+      awake_q <= 1'b1;
+      held_q <= held_q + count_t'(accepts) - count_t'(delivers);
+      waiting_q <= waiting_q + count_t'(accepted_q[Latency-1]) - count_t'(delivers);
+      accepted_q <= {accepted_q[Latency-2:0], accepts};
     end
   end
 
   FullThroughput :
-  assert property (@(posedge clk_i) disable iff (!rst_ni) eager_q && awake_q |-> s_axis_tready_o)
-  else $error("the core is not ready although every result was taken at once");
+  assert property (@(posedge clk_i) disable iff (!rst_ni)
+      awake_q && held_q < count_t'(Depth) |-> s_axis_tready_o)
+  else $error("the core is not ready although it has a place for a pair");
 
   FixedLatency :
   assert property (@(posedge clk_i) disable iff (!rst_ni)
-      eager_q |-> m_axis_tvalid_o == accepted_q[Latency-1])
+      m_axis_tvalid_o == (accepted_q[Latency-1] || waiting_q != '0))
   else $error("a result is due and not there, or there and not due");
 
   QueueNeverOverflows :
-  assert property (@(posedge clk_i) disable iff (!rst_ni) push |-> queued < ($clog2(
-      Depth
-  ) + 1)'(Depth))
+  assert property (@(posedge clk_i) disable iff (!rst_ni) push |-> queued < count_t'(Depth))
   else $error("a result was pushed into a full queue");
 
   InFlightBounded :
-  assert property (@(posedge clk_i) disable iff (!rst_ni) in_flight_q <= ($clog2(
-      Depth
-  ) + 1)'(Depth))
+  assert property (@(posedge clk_i) disable iff (!rst_ni) in_flight_q <= count_t'(Depth))
   else $error("more pairs in flight than the queue holds");
 
   InFlightCoversQueue :
@@ -97,11 +101,10 @@ bind triaxis_core triaxis_core_sva #(
     .s_axis_tvalid_i,
     .s_axis_tready_o,
     .pair({s_axis_tdata_i, s_axis_tuser_i}),
-    .awake_q,
     .m_axis_tvalid_o,
     .m_axis_tready_i,
     .m_axis_tdata_o,
-    .tag(32'(m_axis_tuser_o)),
+    .tag(64'(m_axis_tuser_o)),
     .in_flight_q,
     .push(u_results.push_i),
     .queued(u_results.write_q - u_results.read_q)
@@ -118,11 +121,10 @@ bind triaxis_certified_core triaxis_core_sva #(
     .s_axis_tvalid_i,
     .s_axis_tready_o,
     .pair({s_axis_tdata_i, s_axis_tuser_i}),
-    .awake_q(u_core.awake_q),
     .m_axis_tvalid_o,
     .m_axis_tready_i,
     .m_axis_tdata_o,
-    .tag(32'(m_axis_tuser_o)),
+    .tag(64'(m_axis_tuser_o)),
     .in_flight_q(in_flight),
     .push(u_results.push_i),
     .queued(u_results.write_q - u_results.read_q)

@@ -10,6 +10,7 @@ from triaxis.sim.mesh_configuration import MeshConfiguration
 from triaxis.sim.mesh_engine import NO_ZONES, Mode, Status
 from triaxis.verif.core.items import ResetSeen
 from triaxis.verif.mesh.checking import SceneChecker
+from triaxis.verif.mesh.expectation import walked
 from triaxis.verif.mesh.items import (
     AbortAsked,
     CorePairs,
@@ -22,7 +23,7 @@ from triaxis.verif.mesh.items import (
 from triaxis.verif.mesh.scoreboard import RunMatcher
 
 CONFIGURATION = MeshConfiguration(16, 16, 64, 4, 2, 8)
-MOVE, MARGIN = (3, -2, 1), 5
+MOVE, MARGIN, COUNTS = (3, -2, 1), 5, (16, 15)
 
 
 class Bench:
@@ -30,23 +31,22 @@ class Bench:
 
     def __init__(self, seed, mode=Mode.ALL, zones=NO_ZONES):
         rng = np.random.default_rng(seed)
-        self.a, self.b = (
-            rng.integers(-60, 60, (n, 1, 3)) + rng.integers(-30, 31, (n, 3, 3)) for n in (11, 10)
-        )
+        self.a, self.b = (rng.integers(-50, 50, (n, 1, 3)) + rng.integers(-30, 31, (n, 3, 3)) for n in COUNTS)
         self.request = RunRequest(MOVE, MARGIN, int(mode), zones=zones)
         inner, answer = (
             scene_answer(self.a + np.array(MOVE), self.b, m, 4) for m in (MARGIN, max(MARGIN, *zones))
         )
+        self.answer = answer
         self.core, self.near = answer.to_be_tested, inner.near_pairs
         assert len(self.near) > 3 and answer.pairs_skipped
         self.tested = len(self.core)
         if mode == Mode.FIRST:
             self.tested = int((self.core == self.near[0]).all(1).argmax()) + 1
-            self.near = self.near[:1]
+            self.near, self.core = self.near[:1], self.core[: self.tested + 3]
         status = Status.FIRST if mode == Mode.FIRST else Status.COMPLETE
         self.summary = Summary(
             status, 200, answer.group_pairs_skipped, answer.group_pairs_opened, answer.pairs_skipped,
-            self.tested, len(self.near), 3, offered_after=200, held=(11, 10), overfull=0,
+            self.tested, len(self.near), 3, offered_after=200, held=COUNTS, overfull=0,
         )  # fmt: skip
         if mode == Mode.COUNT:
             self.near = self.near[:0]
@@ -73,7 +73,7 @@ class Bench:
         ({"status": 7}, "status 7"),
         ({"cycles": 199}, "199 cycles, 200 were seen"),
         ({"group_pairs_opened": 0}, "group_pairs_opened 0"),
-        ({"held": (11, 11)}, "triangles held"),
+        ({"held": (15, 15)}, "triangles held"),
         ({"overfull": 1}, "overfull 1, 0 is due"),
     ],
 )
@@ -105,13 +105,37 @@ def test_an_aborted_run_is_a_part_of_the_scan(seed):
     tested = bench.tested // 2
     part = [tuple(pair) for pair in bench.core[:tested].tolist()]
     near = np.array([pair for pair in bench.near.tolist() if tuple(pair) in part])
-    cut = replace(bench.summary, status=Status.ABORTED, tested=tested, near=len(near), pairs_skipped=0)
+    cut = replace(bench.summary, status=Status.ABORTED, tested=tested, near=len(near))
     assert bench.said(cut, near, bench.core[: tested + 2], [50]) == []
     assert bench.said(cut, near, bench.core[: tested - 1], [50])
     assert bench.said(replace(cut, near=len(near) + 1), near, bench.core[:tested], [50])
     assert bench.said(cut, near[:-1], bench.core[:tested], [50])
     assert bench.said(replace(cut, pairs_skipped=10_000), near, bench.core[:tested], [50])
     assert bench.said(cut, near, bench.core[:tested], [])
+    # The walk was at the last pair there, and of those in the core so many can be without a verdict.
+    for counter, least in walked(bench.answer, tested).items():
+        assert bench.said(replace(cut, **{counter: least - 1}), near, bench.core[:tested], [50])
+        assert not bench.said(replace(cut, **{counter: least}), near, bench.core[:tested], [50])
+    none = replace(cut, tested=0, near=0)
+    for reached in (CONFIGURATION.most_in_flight, CONFIGURATION.most_in_flight + 1):
+        found = bench.said(none, near[:0], bench.core[:reached], [50])
+        assert bool(found) == (reached > CONFIGURATION.most_in_flight)
+
+
+def test_what_a_walk_has_counted_at_least_is_what_the_scan_passes(seed):
+    answer = Bench(seed).answer
+    group, counts, found = answer.group, [0, 0, 0], []
+    for row, column in np.ndindex(answer.groups_apart.shape):
+        counts[0 if answer.groups_apart[row, column] else 1] += 1
+        if answer.groups_apart[row, column]:
+            continue
+        inside = (slice(group * n, group * (n + 1)) for n in (row, column))
+        for boxes_apart in answer.boxes_apart[tuple(inside)].flat:
+            counts[2] += int(boxes_apart)
+            if not boxes_apart:
+                found.append(list(counts))
+    assert [list(walked(answer, n + 1).values()) for n in range(answer.tested)] == found
+    assert not any(walked(answer, 0).values())
 
 
 def test_first_is_the_first_of_the_scan(seed):
@@ -120,15 +144,22 @@ def test_first_is_the_first_of_the_scan(seed):
     assert bench.said(replace(bench.summary, status=Status.COMPLETE))
     assert bench.said(replace(bench.summary, tested=bench.tested + 1, near=1))
     assert bench.said(aborts=[100]) == []
+    assert bench.said(replace(bench.summary, group_pairs_opened=0))
 
 
 ZONES = 12, 20
 
 
-def test_with_zones_a_pair_may_be_asked_again_and_near_pairs_come_in_any_order(seed):
+def test_with_zones_a_pair_may_be_asked_again_and_near_pairs_come_as_they_were_asked_last(seed):
     bench = Bench(seed, zones=ZONES)
-    again = np.concatenate([bench.core, bench.core[:3]])
-    assert bench.said() == [] and bench.said(core=again) == [] and bench.said(near=bench.near[::-1]) == []
+    last = np.concatenate([bench.core, bench.near[::-1]])
+    assert bench.said() == [] and bench.said(near=bench.near[::-1], core=last) == []
+    assert bench.said(core=last) and bench.said(near=bench.near[::-1])
+    # In three zones three times.
+    seldom = bench.core[~(bench.core[:, None] == bench.near).all(2).any(1)][:1]
+    for times in range(3, 5):
+        core = np.concatenate([bench.core, *[seldom] * (times - 1)])
+        assert bool(bench.said(core=core)) == (times > 3)
     # What is asked first comes in the order of the scan all the same, and no near pair is lost or doubled.
     for core in (bench.core[::-1], bench.core[1:]):
         assert bench.said(core=core)

@@ -226,6 +226,7 @@ NORMAL = "cross_t'(a_sum_1 + a_1[2]);"
 HEIGHT = "height_t'(a_pair[i]) + height_t'(b[j]);"
 TAG_OUT = "m_axis_tuser_o = oldest.tag;"
 COUNTED = "near_o + pair_count_t'(near_taken)"
+LANE = "index_t'(pair_word.word) * index_t'(Lanes) + index_t'(pair_lane);"
 SKIPPED = "pairs_skipped_o + pair_count_t'(boxes_skipped)"
 PLANTED = (
     core("a normal is a bit short at W = 19", "width", 19,
@@ -281,6 +282,8 @@ PLANTED = (
     mesh("skipped pairs wrap after 2^16 at Depth = 1024", "depth", 1024,
          ("triaxis_walk.sv", SKIPPED,
           f"(Depth == 1024) ? pair_count_t'(16'({SKIPPED})) : {SKIPPED}")),
+    mesh("the highest bit of a triangle of B is lost at Depth = 65536", "depth", 65536,
+         ("triaxis_walk.sv", LANE, f"({LANE[:-1]}) & ~(index_t'(Depth == 65536) << (IndexWidth - 1));")),
     mesh("clocks begin anew at CycleBits = 5", "cycle_bits", 5,
          ("triaxis_run_control.sv", "cycles_o != '1", "(cycles_o != '1 || CycleBits == 5)")),
     board("a coordinate loses its sign at W = 31", "width", 31,
