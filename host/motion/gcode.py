@@ -46,8 +46,16 @@ _ENDS = {"sub": ("endsub",), "if": ("elseif", "else", "endif"), "elseif": ("else
          "else": ("endif",), "while": ("endwhile",), "do": ("while",), "repeat": ("endrepeat",)}  # fmt: skip
 # Words of macro programs, which stand where a letter and a number would.
 _MACRO = re.compile(r"(?:IF|WHILE|GOTO|DO|END)(?=\s*[\d\[#])", re.IGNORECASE | re.ASCII)
-# Of a repeat that is left LinuxCNC goes on to count where it comes there again.
+# Of a repeat that is left LinuxCNC goes on to count where it comes there again; by its name it stops.
 _COUNT_KEPT = "a control may go on with its count the next time: write it as a while"
+_SECOND = "a second loop or branch of its name, which a control may take for the first: correct it"
+_NOT_OF_REPEATS = "of a repeat, at which a control stops: write it as a while"
+# LinuxCNC keeps a break out of a while, and takes the next end of a do for that of the loop that it leaves.
+# And where it goes on with a loop it takes the breaks that it passes over on its way to the end.
+_BREAK_KEPT = (
+    "would run again, after a loop was left by break, where a control may go on: write it as a while"
+)
+_BREAK_PASSED = "passes over a break of its loop, which a control may take: write it with if"
 BOTH_PLACES = "is called before it is defined, and {} has one of its name, which a control takes: keep one"
 _OTHER_FLOW = ("call", "return", "break", "continue", "endsub", "endif", "endwhile", "endrepeat")
 
@@ -260,6 +268,8 @@ class Execution:
         self._subroutines: dict[str, _Flow] = {}
         # What the program has come by, as a control does; the loops that repeat just now.
         self._defined, self._repeating = set[str](), set[int]()
+        # The loops and branches of a file, or of a subroutine; whether a break is kept.
+        self._labels, self._broken = set[str](), False
         self._held = 0
         self._program = self._parsed(path)
         self._ran = self._depth = self._next = self._line = 0
@@ -288,7 +298,9 @@ class Execution:
     def _parsed(self, path: Path) -> list[_Statement]:
         """Return the statements of a file, and keep its subroutines."""
         lines = iter(read_lines(path))
+        outside, self._labels = self._labels, set()
         found, end = self._nested(lines, None)
+        self._labels = outside
         if end is not None:
             raise end.place.error(f"O {end.does}", "ends what has not begun: remove it")
         return found
@@ -307,14 +319,18 @@ class Execution:
             ends = outer is not None and line.does in _ENDS[outer.does]
             if ends and (line.does != "while" or (outer and _named(line) == _named(outer))):
                 return found, line
-            if line.does in _ENDS:
+            if line.does == "sub":
+                outside, self._labels = self._labels, set()
                 self._close(lines, line)
-                if line.does == "sub":
-                    if _named(line) in self._subroutines:
-                        raise line.place.error(
-                            f"O<{_named(line)}>", "a second subroutine of its name: keep one"
-                        )
-                    self._subroutines[_named(line)] = line
+                self._labels = outside
+                if _named(line) in self._subroutines:
+                    raise line.place.error(f"O<{_named(line)}>", "a second subroutine of its name: keep one")
+                self._subroutines[_named(line)] = line
+            elif line.does in _ENDS:
+                if _named(line) in self._labels:
+                    raise line.place.error(f"O<{_named(line)}>", _SECOND)
+                self._labels.add(_named(line))
+                self._close(lines, line)
             elif line.does.startswith("end"):
                 return found, line
             found.append(line)
@@ -432,6 +448,10 @@ class Execution:
             else:
                 condition = flow.end.values if flow.does == "do" else flow.values
                 again = first or bool(self._value(flow.place, "O", condition[0]))
+            if flow.does == "do" and not first:
+                if again and self._broken:
+                    raise flow.end.place.error("O", _BREAK_KEPT)
+                self._broken = False
             if not again:
                 return
             first = False
@@ -447,10 +467,22 @@ class Execution:
                     raise place.error("O", f"leaves a repeat before its end: {_COUNT_KEPT}") from leave
                 if not ours:
                     raise
+                self._left(flow, *leave.args)
                 if leave.args[2] == "break":
                     return
             finally:
                 self._repeating.discard(id(flow))
+
+    def _left(self, flow: _Flow, place: Place, name: str, does: str) -> None:
+        """Note what a control makes of a break or continue; raise InputError where it goes elsewhere."""
+        if flow.does == "repeat":
+            raise place.error("O", f"{does} {_NOT_OF_REPEATS}")
+        if does == "break":
+            self._broken = flow.does == "while"
+        elif any(one.does == "break" and one.place.line > place.line for one in _within(flow, name)):
+            if flow.does == "do":
+                raise place.error("O", f"{does} {_BREAK_PASSED}")
+            self._broken = True
 
     def _call(self, flow: _Flow) -> Iterator[Block]:
         memory = self._memory
@@ -496,6 +528,17 @@ def _numeral(value: Value) -> str:
     if number.denominator != 1:
         raise ValueError("a name that is a number is a whole one: correct it")
     return str(int(number))
+
+
+def _within(flow: _Flow, name: str) -> Iterator[_Flow]:
+    """Yield the O words of a name, or of one that is known only as it runs, in the body of another."""
+    for statement in flow.body:
+        part = statement if isinstance(statement, _Flow) else None
+        while part is not None:
+            if _named(part) in (name, f"line {part.place.line}"):
+                yield part
+            yield from _within(part, name)
+            part = part.end
 
 
 def _named(flow: _Flow) -> str:

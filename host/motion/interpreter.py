@@ -145,19 +145,14 @@ class Interpreter:
             return named.get(key, Fraction(flags[key]) if key in flags else None)
         if 5420 <= key < 5423:
             return here[key - 5420] / scale
-        if 5211 <= key < 5214:
-            return self.shift[key - 5211] / scale
-        if 5401 <= key < 5404:
-            return None if self.offset and not self._known() else self.compensation[key - 5401] / scale
         if 5423 <= key < 5426:
             return self.turned[key - 5423]
-        if 5426 <= key < 5429 or 5214 <= key < 5220 or 5404 <= key < 5410:
+        if 5426 <= key < 5429 or 5214 <= key < 5220:
             return Fraction(0)
-        tool = None if self.loaded is None else self.machine.tools.get(self.loaded)
+        # The shift of G92 and what the tool table holds have the machine's unit, not the program's.
         known = {
             5220: Fraction(SYSTEMS.index(self.modal.system) + 1),
             5400: None if self.loaded is None else Fraction(self.loaded),
-            5410: tool.diameter / scale if tool and tool.diameter is not None else None,
         }  # fmt: skip
         return known.get(key)
 
@@ -309,15 +304,17 @@ class Interpreter:
 
     def _path_mode(self, place: Place, word: Word, words: dict[str, Word]) -> None:
         tolerance = Fraction(0)
-        # P0 is no tolerance of 0, but none at all.
-        if word.code == "G64" and "P" in words and self.length(place, words["P"]) > _LEAST_TOLERANCE:
-            # The path may be left by P, and moves that are nearly in line joined by as much, or Q.
-            tolerance = sum(self.length(place, words.get(k, words["P"])) for k in "PQ")
-        elif word.code == "G64" and self.machine.tolerance is None:
-            why = "lets the control round corners: give P, or path_tolerance in a machine file"
-            self.refuse(place, word, why)
-        elif word.code == "G64":
-            tolerance = self.machine.tolerance or tolerance
+        if word.code == "G64":
+            left, joined = (self.length(place, words[k]) if k in words else None for k in "PQ")
+            # P0 is no tolerance of 0, but none at all.
+            if left is not None and left > _LEAST_TOLERANCE:
+                # The path may be left by P, and moves that are nearly in line joined by as much, or Q.
+                tolerance = left + (left if joined is None else joined)
+            elif self.machine.tolerance is None:
+                why = "lets the control round corners: give P, or path_tolerance in a machine file"
+                self.refuse(place, word, why)
+            else:
+                tolerance = self.machine.tolerance + (joined or 0)
         self.modal, self.exact_path = replace(self.modal, tolerance=tolerance), True
 
     def length(self, place: Place, word: Word) -> Fraction:

@@ -877,6 +877,17 @@ def zero_of(file):
     return np.array([float(c) for c in read_machine(file).offsets["G54"]])
 
 
+@pytest.mark.parametrize("mode", ["G64 Q.25", "G64 P0 Q.25", "G64 P.0005 Q.25"])
+def test_moves_may_be_joined_beside_the_tolerance_of_the_machine(tmp_path, read, mode):
+    file = tmp_path / "machine.toml"
+    file.write_text(MACHINE)
+    plain, joined = (
+        read(f"G21 T1 M6 {said}\nG1 F9 X1\nX2 Y1", machine=read_machine(file)).moves[-1].slack
+        for said in ("G64", mode)
+    )
+    assert joined - plain == Fraction(1, 4)
+
+
 @pytest.mark.skipif(shutil.which("rs274") is None, reason="rs274 (linuxcnc-uspace) is not installed")
 def test_tolerances_are_not_less_than_the_program_gives(tmp_path):
     """Of 0.00014 inch LinuxCNC prints 0.0001."""
@@ -985,7 +996,7 @@ NOT_PASSED_OVER = [
     ("F9 G2 X0 I5\nR10", "R10", "not on the line"),
     ("G0 G92 X1", "G92", "split it"), ("G92\nG0 X1", "G92", "give one"), ("G53 G28 X0", "G28", "split it"),
     ("M61 Q1.7\nG0 X1", "Q1.7", "whole number"), ("M61\nG0 X1", "M61", "give Q"),
-    ("F9 G2 X0 I5 P0", "G2", "give P1 to"), ("F9 G2 X0 I5 P10001", "G2", "give P1 to P10000"),
+    ("F9 G2 X0 I5 P0", "X0", "give P1 to"), ("F9 G2 X0 I5 P10001", "X0", "give P1 to P10000"),
     ("F9 G2 X0 I5 P1.5", "P1.5", "whole number"), ("F9 G98 G81 X1 R2 Z-1 L0", "L0", "repeats 1 to"),
     ("O1 if [0]\nO2 if [1]\nG0 X2\nO1 endif\nO2 endif", "O endif", "another name"),
     ("O1 sub\nO1 endsub\nO1 sub\nO1 endsub\nG0 X1", "O<1>", "second subroutine"),
@@ -996,6 +1007,23 @@ NOT_PASSED_OVER = [
     ("O1 sub\nO3 repeat [2]\nG0 X#1\nO1 return\nO3 endrepeat\nO1 endsub\nO1 call [1]", "O", "leaves a"),
     ("#1=1\nO1 while [#1]\nO3 repeat [2]\nO1 break\nO3 endrepeat\nO1 endwhile", "O", "leaves a repeat"),
     ("O1 sub\nO3 repeat [2]\nO1 call\nO3 endrepeat\nO1 endsub\nO1 call", "O", "while it does already"),
+    # What it keeps of a loop that was left, takes on its way to the end of one, or takes for another one.
+    ("#1=0\nO1 while [1]\nO1 break\nO1 endwhile\nO2 do\n#1=[#1+1]\nO2 while [#1 lt 3]", "O",
+     "was left by break"),
+    ("#1=0\nO9 sub\nO1 while [1]\nO1 break\nO1 endwhile\nO9 endsub\nO9 call\n"
+     "O2 do\n#1=[#1+1]\nO2 while [#1 lt 3]", "O", "was left by break"),
+    ("#1=0\nO1 do\n#1=[#1+1]\nO2 if [#1 eq 2]\nO1 continue\nO2 elseif [#1 gt 9]\nO1 break\nO2 endif\n"
+     "O1 while [#1 lt 4]", "O", "passes over a break"),
+    ("#1=0\nO1 while [#1 lt 4]\n#1=[#1+1]\nO2 if [#1 eq 2]\nO1 continue\nO2 endif\nO3 if [#1 gt 9]\n"
+     "O1 break\nO3 endif\nO1 endwhile\nO4 do\n#1=[#1-1]\nO4 while [#1 gt 2]", "O", "was left by break"),
+    ("#1=0\nO1 do\n#1=[#1+1]\nO1 while [#1 lt 3]\nO1 do\n#1=[#1+1]\nO1 while [#1 lt 6]", "O<1>",
+     "second loop"),
+    ("O1 if [1]\nO1 endif\nO1 while [0]\nO1 endwhile", "O<1>", "second loop"),
+    ("O1 repeat [2]\nO1 break\nO1 endrepeat", "O", "break of a repeat"),
+    ("O1 repeat [2]\nO1 continue\nO1 endrepeat", "O", "continue of a repeat"),
+    # In the machine's unit, of the table and not of the length in force.
+    ("G92 X1\nG0 X#5211", "X#5211", "does not give it"), ("G49\nG0 Z#5403", "Z#5403", "does not give it"),
+    ("G0 X#5410", "X#5410", "does not give it"),
     ("O1 sub\nG0 X#<_value>\nO1 endsub [5]\nO1 call", "X#<_value>", "does not give it"),
     ("O1 sub\nO1 endsub [5]\nO1 call\nO2 sub\nO2 endsub [7]\nG0 X#<_value>", "X#<_value>", "does not give"),
 ]  # fmt: skip
@@ -1009,7 +1037,7 @@ def test_nothing_is_passed_over(read, text, word, why):
 
 
 def test_what_is_nested_too_deeply_is_refused(read):
-    for text in ("X" + "[" * 5000, "G0 X" + "-" * 5000 + "1", "O1 if [1]\n" * 3000):
+    for text in ("X" + "[" * 5000, "G0 X" + "-" * 5000 + "1", "".join(f"O{n} if [1]\n" for n in range(3000))):
         with pytest.raises(InputError, match=r"nested too deeply"):
             read(text)
 
