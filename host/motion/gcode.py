@@ -50,12 +50,10 @@ _MACRO = re.compile(r"(?:IF|WHILE|GOTO|DO|END)(?=\s*[\d\[#])", re.IGNORECASE | r
 _COUNT_KEPT = "a control may go on with its count the next time: write it as a while"
 _SECOND = "a second loop or branch of its name, which a control may take for the first: correct it"
 _NOT_OF_REPEATS = "of a repeat, at which a control stops: write it as a while"
-# LinuxCNC keeps a break out of a while, and takes the next end of a do for that of the loop that it leaves.
-# And where it goes on with a loop it takes the breaks that it passes over on its way to the end.
-_BREAK_KEPT = (
-    "would run again, after a loop was left by break, where a control may go on: write it as a while"
-)
-_BREAK_PASSED = "passes over a break of its loop, which a control may take: write it with if"
+# LinuxCNC takes each break of a while that it passes over on its way to the end, and keeps it until the next
+# end of a do, which it takes for that of the loop that it leaves. A continue of a do it keeps, too.
+_BREAK_KEPT = "would run again after a while with a break, where a control may go on: write it as a while"
+_CONTINUE_KEPT = "of a do, which a control may keep for the next loop: write it as a while, or with if"
 BOTH_PLACES = "is called before it is defined, and {} has one of its name, which a control takes: keep one"
 _OTHER_FLOW = ("call", "return", "break", "continue", "endsub", "endif", "endwhile", "endrepeat")
 
@@ -453,6 +451,7 @@ class Execution:
                     raise flow.end.place.error("O", _BREAK_KEPT)
                 self._broken = False
             if not again:
+                self._broken |= flow.does == "while" and _has_break(flow, name)
                 return
             first = False
             # An empty loop that does not end has lines, too.
@@ -477,12 +476,9 @@ class Execution:
         """Note what a control makes of a break or continue; raise InputError where it goes elsewhere."""
         if flow.does == "repeat":
             raise place.error("O", f"{does} {_NOT_OF_REPEATS}")
-        if does == "break":
-            self._broken = flow.does == "while"
-        elif any(one.does == "break" and one.place.line > place.line for one in _within(flow, name)):
-            if flow.does == "do":
-                raise place.error("O", f"{does} {_BREAK_PASSED}")
-            self._broken = True
+        if flow.does == "do" and does == "continue":
+            raise place.error("O", f"{does} {_CONTINUE_KEPT}")
+        self._broken = flow.does == "while" and (does == "break" or self._broken or _has_break(flow, name))
 
     def _call(self, flow: _Flow) -> Iterator[Block]:
         memory = self._memory
@@ -530,15 +526,17 @@ def _numeral(value: Value) -> str:
     return str(int(number))
 
 
-def _within(flow: _Flow, name: str) -> Iterator[_Flow]:
-    """Yield the O words of a name, or of one that is known only as it runs, in the body of another."""
+def _has_break(flow: _Flow, name: str) -> bool:
+    """Return whether a break of a loop of that name may be in the body of an O word."""
     for statement in flow.body:
         part = statement if isinstance(statement, _Flow) else None
         while part is not None:
-            if _named(part) in (name, f"line {part.place.line}"):
-                yield part
-            yield from _within(part, name)
+            if part.does == "break" and _named(part) in (name, f"line {part.place.line}"):
+                return True
+            if _has_break(part, name):
+                return True
             part = part.end
+    return False
 
 
 def _named(flow: _Flow) -> str:

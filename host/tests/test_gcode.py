@@ -1009,13 +1009,18 @@ NOT_PASSED_OVER = [
     ("O1 sub\nO3 repeat [2]\nO1 call\nO3 endrepeat\nO1 endsub\nO1 call", "O", "while it does already"),
     # What it keeps of a loop that was left, takes on its way to the end of one, or takes for another one.
     ("#1=0\nO1 while [1]\nO1 break\nO1 endwhile\nO2 do\n#1=[#1+1]\nO2 while [#1 lt 3]", "O",
-     "was left by break"),
+     "with a break"),
     ("#1=0\nO9 sub\nO1 while [1]\nO1 break\nO1 endwhile\nO9 endsub\nO9 call\n"
-     "O2 do\n#1=[#1+1]\nO2 while [#1 lt 3]", "O", "was left by break"),
+     "O2 do\n#1=[#1+1]\nO2 while [#1 lt 3]", "O", "with a break"),
     ("#1=0\nO1 do\n#1=[#1+1]\nO2 if [#1 eq 2]\nO1 continue\nO2 elseif [#1 gt 9]\nO1 break\nO2 endif\n"
-     "O1 while [#1 lt 4]", "O", "passes over a break"),
+     "O1 while [#1 lt 4]", "O", "continue of a do"),
+    ("#1=0\nO1 do\n#1=[#1+1]\nO2 if [#1 eq 1]\nO1 continue\nO2 endif\nO1 while [#1 lt 3]\nO3 repeat [2]\n"
+     "G0 X1\nO3 endrepeat", "O", "continue of a do"),
+    ("#1=0\nO1 while [0]\nO1 break\nO1 endwhile\nO3 do\n#1=[#1+1]\nO3 while [#1 lt 3]", "O", "with a break"),
+    ("#1=0\nO1 while [0]\nO2 if [0]\nO2 else\nO1 break\nO2 endif\nO1 endwhile\nO3 do\n#1=[#1+1]\n"
+     "O3 while [#1 lt 3]", "O", "with a break"),
     ("#1=0\nO1 while [#1 lt 4]\n#1=[#1+1]\nO2 if [#1 eq 2]\nO1 continue\nO2 endif\nO3 if [#1 gt 9]\n"
-     "O1 break\nO3 endif\nO1 endwhile\nO4 do\n#1=[#1-1]\nO4 while [#1 gt 2]", "O", "was left by break"),
+     "O1 break\nO3 endif\nO1 endwhile\nO4 do\n#1=[#1-1]\nO4 while [#1 gt 2]", "O", "with a break"),
     ("#1=0\nO1 do\n#1=[#1+1]\nO1 while [#1 lt 3]\nO1 do\n#1=[#1+1]\nO1 while [#1 lt 6]", "O<1>",
      "second loop"),
     ("O1 if [1]\nO1 endif\nO1 while [0]\nO1 endwhile", "O<1>", "second loop"),

@@ -155,7 +155,7 @@ def _taken(run: Run, first: int, pairs: Integers) -> bool:
 
 def _ended_as(run: Run, status: Status) -> bool:
     """Return whether a run ended by itself; only an abort that came in time ends it else."""
-    if run.maybe_aborted and (status.end == RunEnd.ABORTED or run.cut_off):
+    if run.maybe_aborted and (status.end == RunEnd.ABORTED or (run.cut_off and status.end != RunEnd.FAULT)):
         return False
     if run.maybe_aborted and status.end == run.end:
         run.maybe_aborted = False
