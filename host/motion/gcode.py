@@ -8,6 +8,7 @@ both round to binary.
 import re
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 from pathlib import Path
 
 from triaxis.golden.errors import InputError
@@ -110,6 +111,11 @@ class _Flow:
     body: "list[_Statement]" = field(default_factory=list)
     # Where the body ended: elseif and else go on there, do has its condition in it.
     end: "_Flow | None" = None
+
+    @cached_property
+    def breaks(self) -> bool:
+        """Return whether a break of its name, or of one that is known only as it runs, is in its body."""
+        return _has_break(self, _named(self))
 
 
 _Statement = Line | _Flow
@@ -451,7 +457,7 @@ class Execution:
                     raise flow.end.place.error("O", _BREAK_KEPT)
                 self._broken = False
             if not again:
-                self._broken |= flow.does == "while" and _has_break(flow, name)
+                self._broken |= flow.does == "while" and flow.breaks
                 return
             first = False
             # An empty loop that does not end has lines, too.
@@ -466,19 +472,19 @@ class Execution:
                     raise place.error("O", f"leaves a repeat before its end: {_COUNT_KEPT}") from leave
                 if not ours:
                     raise
-                self._left(flow, *leave.args)
+                self._left(flow, leave.args[0], leave.args[2])
                 if leave.args[2] == "break":
                     return
             finally:
                 self._repeating.discard(id(flow))
 
-    def _left(self, flow: _Flow, place: Place, name: str, does: str) -> None:
+    def _left(self, flow: _Flow, place: Place, does: str) -> None:
         """Note what a control makes of a break or continue; raise InputError where it goes elsewhere."""
         if flow.does == "repeat":
             raise place.error("O", f"{does} {_NOT_OF_REPEATS}")
         if flow.does == "do" and does == "continue":
             raise place.error("O", f"{does} {_CONTINUE_KEPT}")
-        self._broken = flow.does == "while" and (does == "break" or self._broken or _has_break(flow, name))
+        self._broken = flow.does == "while" and (does == "break" or self._broken or flow.breaks)
 
     def _call(self, flow: _Flow) -> Iterator[Block]:
         memory = self._memory
@@ -527,7 +533,6 @@ def _numeral(value: Value) -> str:
 
 
 def _has_break(flow: _Flow, name: str) -> bool:
-    """Return whether a break of a loop of that name may be in the body of an O word."""
     for statement in flow.body:
         part = statement if isinstance(statement, _Flow) else None
         while part is not None:
