@@ -112,6 +112,10 @@ class BoardTest(EnvironmentTest):
 
     # --- The line -----------------------------------------------------------------------------------------
 
+    def lasts(self, count: int) -> int:
+        """Return how many clocks so many bytes take, one after the other, rounded up."""
+        return -(-10 * count * self.parameters.clocks_per_three_bits // 3)
+
     async def line(
         self,
         data: bytes = b"",

@@ -1,6 +1,6 @@
 """The agent of the board's line and pins: items go on the line, all that is seen is published.
 
-The board is a library (sim/board_player.cpp): its serial line takes 60 clocks a byte, too many for Python to
+The board is a library (sim/board_player.cpp): its serial line takes 57 clocks a byte, too many for Python to
 have a step at each.
 """
 

@@ -33,10 +33,10 @@ BOARD = "board_w12_m5_d128_g8_l4"
 # The same, with a core that shows no "clear" again.
 PLAIN = "board_w12_m5_d128_g8_l4_plain"
 # The sizes that ship, as `fpga.board_build.SIGNED_OFF` has them, with the environment's short times, and the
-# top's own: then a byte takes 250 clocks, and the watchdog ten million.
+# top's own: then a byte takes 83 clocks, and the watchdog ten million.
 SHIPPED, REAL = "board_w16_m16_d4096_g8_l8", "board_w16_m16_d4096_g8_l8_real"
 
-_SHORT, _BYTE = 200, 60
+_SHORT = 200
 _ONE_SEED = "One: what it sends is the same with every seed, but for places and moments."
 
 
@@ -290,7 +290,7 @@ class BoardHoldTest(BoardGoTest):
             await self.run(hold=hold)
             due = reference.run.ended + hold * self.parameters.hold_clocks
             frame = framed(self.frame(Command.RUN, self.asked(hold=hold)))
-            await self.line(frame[:-1], Until.NOW, gap=_BYTE * 60 + wait)
+            await self.line(frame[:-1], Until.NOW, gap=self.lasts(60) + wait)
             await self.line(frame[-1:], gap=_SHORT)
             await self.idle()
             self.sequence = reference.sequence
@@ -365,14 +365,14 @@ class BoardFramesTest(BoardTest):
         await self.silent(whole[:7], gap=0)
         await self.line(until=Until.NOW, act=Act.UNPLUG, gap=_SHORT)
         await self.status()
-        await self.line(whole[:12], Until.NOW, gap=5 * _BYTE)
-        await self.silent(act=Act.BREAK, clocks=10 * _BYTE, gap=10 * _BYTE)
+        await self.line(whole[:12], Until.NOW, gap=self.lasts(5))
+        await self.silent(act=Act.BREAK, clocks=self.lasts(10), gap=self.lasts(10))
         await self.status()
 
     async def levels(self) -> None:
         """Levels for every number of clocks, low on the idle line, and high within a frame."""
         for clocks in (1, 2, 3, 4, 5, 30, 36, 37, 40, 45):
-            await self.silent(act=Act.GLITCH, clocks=clocks, gap=3 * _BYTE)
+            await self.silent(act=Act.GLITCH, clocks=clocks, gap=self.lasts(3))
             await self.status()
         for clocks in (1, 2, 4, 9):
             await self.line(
@@ -380,18 +380,29 @@ class BoardFramesTest(BoardTest):
             )
             await self.line(until=Until.ANSWERED, act=Act.GLITCH, clocks=clocks)
             await self.resumed()
+        await self.single()
         await self.soon()
+
+    async def single(self) -> None:
+        """Invert the line at each single clock of a byte: in the middle of a bit alone that changes it."""
+        for clock in range(0, self.lasts(1), 29 if self.on_pins else 1):
+            frame = framed(self.frame(Command.STATUS))
+            await self.line(frame, Until.NOW, gap=self.lasts(6) + clock)
+            # The rest of it, and an answer, where there is one.
+            await self.line(act=Act.GLITCH, clocks=1, until=Until.NOW, gap=self.lasts(len(frame) + 80))
+            self.sequence = self.env.scoreboard.reference.sequence
+            await self.status()
 
     async def soon(self) -> None:
         """Begin a byte each number of clocks after noise, after a break, after another byte."""
         for gap in range(9):
-            for act, clocks in ((Act.GLITCH, 1), (Act.BREAK, 2 * _BYTE)):
+            for act, clocks in ((Act.GLITCH, 1), (Act.BREAK, self.lasts(2))):
                 await self.line(act=act, clocks=clocks, until=Until.NOW, gap=clocks + gap)
                 await self.line(b"\xc0" + framed(self.frame(Command.STATUS)))
                 await self.resumed()
             frame = framed(self.frame(Command.STATUS))
             for noise in (0, 1):
-                await self.line(frame[:-1], Until.NOW, gap=_BYTE * (len(frame) - 1) + noise)
+                await self.line(frame[:-1], Until.NOW, gap=self.lasts(len(frame) - 1) + noise)
                 await self.line(act=Act.GLITCH, clocks=noise, until=Until.NOW, gap=noise + gap)
                 await self.line(frame[-1:])
                 await self.resumed()
@@ -639,8 +650,12 @@ class BoardSilenceTest(BoardTest):
                 kicked = reference.kicked
                 frame = framed(self.frame(command, self.asked() if command == Command.RUN else b""))
                 # An answer or a frame with stuffed bytes takes longer than another.
-                spoken = reference.clock - kicked + _BYTE * len(frame)
-                wait = self.parameters.watchdog_clocks - 6 + number - spoken - usual if number else _BYTE * 60
+                spoken = reference.clock - kicked + self.lasts(len(frame))
+                wait = (
+                    self.parameters.watchdog_clocks - 6 + number - spoken - usual
+                    if number
+                    else self.lasts(60)
+                )
                 await self.line(frame[:-1], Until.NOW, gap=wait)
                 await self.line(frame[-1:], gap=_SHORT)
                 usual = reference.arrived + EXECUTED - kicked - spoken - wait
@@ -727,7 +742,7 @@ class BoardAbortTest(BoardTest):
         frame = framed(self.frame(Command.RUN, self.asked(mode, zones=zones)))
         # The last byte of the one and the whole other come while the run goes on; the other's end at a clock
         # that does not depend on how many of its bytes are escaped.
-        longest = _BYTE * (22 + len(payload))
+        longest = self.lasts(22 + len(payload))
         await self.line(frame[:-1], Until.SENT)
         await self.line(frame[-1:] + ended[:-1], Until.NOW, gap=longest + wait)
         await self.line(ended[-1:], gap=_SHORT)
@@ -1041,7 +1056,7 @@ class BoardTrialsTest(BoardTest):
                     await self.line(frame + ending)
                 else:
                     await self.line(frame)
-                    await self.line(ending, Until.NOW, gap=_BYTE * len(ending))
+                    await self.line(ending, Until.NOW, gap=self.lasts(len(ending)))
                 await self.line()
                 self.sequence = self.env.scoreboard.reference.sequence
                 await self.status()
@@ -1142,9 +1157,9 @@ class BoardResetsTest(BoardTest):
                     Command.RUN: self.asked(),
                 }.get(command, b"")
                 frame = framed(self.frame(command, payload))
-                await self.line(frame, Until.NOW, gap=_BYTE * len(frame) + clock)
+                await self.line(frame, Until.NOW, gap=self.lasts(len(frame)) + clock)
                 await self.line(act=Act.UNPLUG, until=Until.NOW)
-                await self.line(act=Act.RESET, clocks=2, until=Until.NOW, gap=_BYTE)
+                await self.line(act=Act.RESET, clocks=2, until=Until.NOW, gap=self.lasts(1))
 
     async def shown(self) -> None:
         """Press it while near pairs are shown, some of them freed, in a frame too long, and after a fault."""
@@ -1170,15 +1185,15 @@ class BoardResetsTest(BoardTest):
         """Press it at each clock of a byte: of a frame, of what is wrong with one, before and in a reply."""
         # Of no session: refused.
         status = framed(self.frame(Command.STATUS))
-        whole, byte = _BYTE * len(status), _BYTE + 5
+        whole, byte = self.lasts(len(status)), self.lasts(1) + 5
         for data, first, clocks in (
-            (status[:5], _BYTE, byte), (b"\xc0\xdb\x01", 3 * _BYTE - 5, byte),
-            (status, whole - 5, byte), (status, whole + 10 * _BYTE, byte),
+            (status[:5], self.lasts(1), byte), (b"\xc0\xdb\x01", self.lasts(3) - 5, byte),
+            (status, whole - 5, byte), (status, whole + self.lasts(10), byte),
         ):  # fmt: skip
             for clock in range(first, first + clocks, self.stride):
                 await self.line(data, Until.NOW, gap=clock)
                 await self.line(act=Act.UNPLUG, until=Until.NOW)
-                await self.line(act=Act.RESET, clocks=2, until=Until.NOW, gap=_BYTE)
+                await self.line(act=Act.RESET, clocks=2, until=Until.NOW, gap=self.lasts(1))
                 await self.ask(Command.STATUS)
 
 
