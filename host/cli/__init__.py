@@ -43,6 +43,8 @@ def main(arguments: list[str] | None = None) -> int:
         _handle_with(signal.SIG_IGN)
         return code
     except KeyboardInterrupt:
+        # Python gives signals back at its end, where another one would end it without an exit code.
+        _handle_with(signal.SIG_IGN)
         _say_interrupted()
         _drop_output()
         return INTERRUPTED

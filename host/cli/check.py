@@ -16,9 +16,8 @@ from triaxis.host.cli.engine import (
     board_of,
     certificates,
     hold,
-    other_build,
     output_of,
-    self_tested,
+    trust_entry,
     width_of,
 )
 from triaxis.host.cli.terminal import progress_bar
@@ -246,12 +245,10 @@ def _report(
         **enclosure_entry(insides, options.surfaces_only),
     }
     if board is not None:
-        known = not other_build(board.description)
         report |= {
-            **self_tested(options),
+            **trust_entry(options, board.description),
             "mode": options.mode.name.lower(),
             "board": board.description,
-            "bitstream": {"known": known, "any_allowed": options.any_bitstream},
         }
     if status is not None:
         report["status"] = status

@@ -4,6 +4,7 @@ import argparse
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
+from typing import Any
 
 from triaxis.fpga.bitstream import board_hash, build_id
 from triaxis.golden.errors import InputError
@@ -64,9 +65,12 @@ def certificates(counts: Counts) -> str:
     return "" if counts.certified is None else f"; clears certified: {counts.certified}"
 
 
-def self_tested(options: argparse.Namespace) -> dict[str, str]:
-    """Return the part of a report on how a board checked itself."""
-    return {"self_test": "skipped" if options.skip_self_test else "passed"}
+def trust_entry(options: argparse.Namespace, board: Description) -> dict[str, Any]:
+    """Return the part of a report on what a board was built of, and how it checked itself."""
+    return {
+        "self_test": "skipped" if options.skip_self_test else "passed",
+        "bitstream": {"known": not other_build(board), "any_allowed": options.any_bitstream},
+    }
 
 
 def other_build(board: Description) -> str:

@@ -13,7 +13,7 @@ from triaxis.golden.pairs import check_width
 from triaxis.host.cli import DONE, NO
 from triaxis.host.cli.arguments import add_numbers
 from triaxis.host.cli.check import EUCLIDEAN, add_distance, by_distance, refuse_distance
-from triaxis.host.cli.engine import about, add_engine, board_of, self_tested, width_of
+from triaxis.host.cli.engine import about, add_engine, board_of, trust_entry, width_of
 from triaxis.host.cli.path_report import (
     Profile,
     path_report,
@@ -124,7 +124,7 @@ def run(options: argparse.Namespace) -> int:
         report = path_report(scene, options, first, replace(program, notes=notes), profile)
         report |= {"tools": [rule_entry(one) for one in checked], "zones": zones}
         if board is not None:
-            report |= self_tested(options)
+            report |= trust_entry(options, board.description)
         write_report(options.json, report)
     if options.picture is not None:
         # Matplotlib loads for a picture alone.

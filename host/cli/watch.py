@@ -9,7 +9,7 @@ from dataclasses import replace
 from fractions import Fraction
 from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import Any, TextIO
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from triaxis.golden.errors import InputError
 from triaxis.host.cli import DONE, NO
 from triaxis.host.cli.arguments import add_numbers
-from triaxis.host.cli.engine import BOARD, about, add_port, add_trust, board_of, self_tested, width_of
+from triaxis.host.cli.engine import BOARD, about, add_port, add_trust, board_of, trust_entry, width_of
 from triaxis.host.cli.program import (
     add_program,
     add_zones,
@@ -145,6 +145,9 @@ def run(options: argparse.Namespace) -> int:
     widths = zone_widths(options)
     if not 1 <= options.hold <= LONGEST:
         raise InputError(f"hold {options.hold}: must be 1..{LONGEST} ms")
+    page = None if options.page is None else Page(options.page)
+    # Read from the start, so that no control waits with a line that was true before.
+    positions = None if options.simulate or options.hal else _lines(options.positions)
     program, machine, given = read_moves(options)
     deviating = (replace(move, slack=move.slack + options.deviation) for move in program.moves)
     program = replace(program, moves=tuple(deviating))
@@ -156,6 +159,7 @@ def run(options: argparse.Namespace) -> int:
     work, stocks = read_stl(options.work), read_stocks(options, len(program.stretches))
     with board_of(options) as board:
         assert board
+        trust = trust_entry(options, board.description)
         wanted = Wanted(
             options.clearance, options.resolution, options.length, options.scale, width_of(options, board),
             margin_bits=board.description.margin_bits,
@@ -171,7 +175,7 @@ def run(options: argparse.Namespace) -> int:
                     elif operations:
                         operations[-1] = operations[-1].stopped_before(part)
                     else:
-                        return _told(options, Followed(), 0, "near", part.names, {"line": part.line})
+                        return _told(options, Followed(), 0, "near", part.names, trust | {"line": part.line})
                 progress(1)
         if not operations:
             raise InputError(f"{program.path}: no line moves X, Y or Z: there is nothing to follow")
@@ -189,7 +193,7 @@ def run(options: argparse.Namespace) -> int:
                 opened |= dict.fromkeys(insides.notes(names))
                 if insides.state != State.OUTSIDE:
                     insides.refuse_undecided(files)
-                    return _told(options, Followed(), count, "inside", names)
+                    return _told(options, Followed(), count, "inside", names, trust)
         print(f"board: {about(board.description)}")
         print(f"path: {program.path}, {len(program.moves)} moves, {count} pieces")
         for note in (*program.notes, *((NOT_TRACKED,) if options.stock else ()), *opened):
@@ -200,11 +204,10 @@ def run(options: argparse.Namespace) -> int:
             )
         zones = _zones(widths, operations)
         print_zones(zones, "pieces", count)
-        page = None if options.page is None else Page(options.page)
         if page is not None:
             print(f"page: {page.address}", flush=True)
         try:
-            done, verdict, names = _follow(options, board, operations, page)
+            done, verdict, names = _follow(options, board, operations, positions, page)
             stopped = f"near: {' and '.join(names)}" if names else "the positions ended"
         except (InputError, KeyboardInterrupt) as error:
             if page is not None:
@@ -212,8 +215,8 @@ def run(options: argparse.Namespace) -> int:
             raise
         if page is not None and verdict != "followed":
             page.tell(stopped=stopped)
-    positions = "hal" if options.hal else "simulated" if options.simulate else "lines"
-    more = self_tested(options) | {"positions": positions, "zones": zones}
+    where = "hal" if options.hal else "simulated" if options.simulate else "lines"
+    more = trust | {"positions": where, "zones": zones}
     status = _told(options, done, count, verdict, names, more)
     if options.picture is not None and names and done.near and done.place is not None:
         one = next(one for one in operations if any(piece is done.near for piece in one.pieces))
@@ -231,21 +234,40 @@ def _zones(widths: Sequence[Fraction], operations: Sequence[Operation]) -> list[
     return entries
 
 
+def _lines(file: TextIO | None) -> Positions:
+    """Return the positions that come in lines; raise InputError where nothing is open that they could."""
+    try:
+        if file is not None:
+            return Positions(file.fileno())
+    # Of what is no file of the system.
+    except (OSError, ValueError) as error:
+        if isinstance(error, InputError):
+            raise
+    raise InputError(
+        "positions: standard input is closed: give them there, or by --positions FIFO, --hal or --simulate"
+    )
+
+
 def _follow(
-    options: argparse.Namespace, board: Board, operations: Sequence[Operation], page: Page | None
-) -> tuple[Followed, str, Names | None]:
+    options: argparse.Namespace, board: Board, operations: Sequence[Operation], positions: Positions | None,
+    page: Page | None,
+) -> tuple[Followed, str, Names | None]:  # fmt: skip
     """Follow the machine through one operation after the other.
 
     Returns how far it came, the verdict, and, where that is near, what is near.
     """
     if not options.hal:
-        positions = None if options.simulate else Positions(options.positions.fileno())
         return _through(options, board, operations, positions, page)
-    pins = HalPositions(operations[0].machine.rotary)
+    pins = HalPositions(operations[0].machine.rotary, _several(operations))
     try:
         return _through(options, board, operations, pins, page)
     finally:
         pins.close()
+
+
+def _several(operations: Sequence[Operation]) -> bool:
+    """Return whether the program has several tools."""
+    return len({id(one.tool) for one in operations}) > 1
 
 
 def _through(
@@ -273,7 +295,7 @@ def _through(
             )
             report = tool_of.report
         else:
-            several = len({id(other.tool) for other in operations}) > 1
+            several = _several(operations)
             report = partial(_as_expected, positions, one, follower, several, float(options.age / 1000))
             # Of a machine that turns, and of one whose pins are there before it is, no position is a mistake.
             waits = number > 0 or bool(one.machine.rotary) or options.hal
@@ -285,10 +307,13 @@ def _through(
             permit, hold = on_board.permit, options.hold
             done.add(follow(follower, permit, report, time.monotonic, hold, display.seen, display.ahead))
         finally:
-            # What was permitted is over, before anybody is told of it.
-            with suppress(LinkError):
-                board.abort()
-            display.nothing()
+            # What was permitted is over, before anybody is told of it; but pins wait for no dead line.
+            display.clear_pins()
+            try:
+                with suppress(LinkError):
+                    board.abort()
+            finally:
+                display.nothing()
         if done.near:
             return done, "near", one.near_objects(done.near)
         if not follower.at_the_end:
@@ -364,10 +389,13 @@ class _Display:
                 permitted=self._follower.permitted,
             )  # fmt: skip
 
-    def nothing(self) -> None:
-        """Show that from here on nothing is known."""
+    def clear_pins(self) -> None:
+        """Have pins say that nothing is known."""
         if self._pins is not None:
             self._pins.known_until(0.0)
+
+    def nothing(self) -> None:
+        """Show that from here on nothing is known, where `clear_pins` does not."""
         if self._page is not None:
             self._page.tell(verdict=None, **({"zone": None} if self._zones else {}))
         if self._zones and self._beyond is not None:
@@ -391,7 +419,7 @@ def _come_to_start(
         if here is None:
             return False
         _check_told(positions, several)
-        ready = positions.tool in (None, one.tool.number) and one.stands(_angles(positions, one))
+        ready = _has_tool(positions, one) and one.stands(_angles(positions, one))
         if (ready or not waits) and follower.is_at_start(here[0]):
             return True
         where, start = (place_words(place, NOWHERE) for place in (here[0], one.scene.program.moves[0].start))
@@ -411,6 +439,11 @@ def _check_told(positions: Source, several: bool) -> None:
         )
 
 
+def _has_tool(positions: Source, one: Operation) -> bool:
+    """Return whether the part's tool is in the spindle, for all that is said; of an STL file it is any."""
+    return not one.machine.tools or positions.tool in (None, one.tool.number)
+
+
 def _angles(positions: Source, one: Operation) -> Vector:
     """Return where A, B, C are; raise InputError where positions do not say it of a machine that has them."""
     if positions.angles is None and one.machine.rotary:
@@ -425,8 +458,7 @@ def _as_expected(positions: Source, one: Operation, follower: Follower, several:
     """Return the last position; raise InputError where it is of another tool, or of other angles.
 
     ``several``: the program has several tools; ``age``: seconds that a position is old when it is read, at
-    most. The tool of an STL file may have any number. At the end of a part the next turn may have begun, or
-    the change of the tool.
+    most. At the end of a part the next turn may have begun, or the change of the tool.
     """
     here = positions.report()
     if here is None:
@@ -434,7 +466,7 @@ def _as_expected(positions: Source, one: Operation, follower: Follower, several:
     _check_told(positions, several)
     position, since = here[0], here[1] - age
     angles, wrong = _angles(positions, one), ""
-    if one.machine.tools and positions.tool not in (None, one.tool.number):
+    if not _has_tool(positions, one):
         wrong = f"tool {positions.tool} is in the spindle, and not {one.tool.number}"
     elif not one.stands(angles):
         wrong = f"axes are at {one.words(angles)}, not at {one.words(one.angles)}"

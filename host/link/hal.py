@@ -13,8 +13,8 @@
     triaxis.quiet                   bit, out: and beyond that of --warn
     triaxis.beat                    bit, out: another with each answer, for HAL's component watchdog
 
-A pin that nothing writes reads 0: until x, y, z, running, idle, and those of a, b, c that turn, are netted,
-there is no position, and no go.
+A pin that nothing writes reads 0: until x, y, z, running, idle, those of a, b, c that turn, and tool where the
+program has several tools, are netted, there is no position, and no go.
 """
 
 import math
@@ -36,6 +36,8 @@ _DEBIAN = "/usr/lib/python3/dist-packages"
 # Until a position is read whole: the machine goes on meanwhile.
 _READINGS = 1000
 _LOOK_SECONDS = 0.005
+# In which the pins are cleared, and the thread that does it ends, unless an interrupt has left it waiting.
+_ENDS_SECONDS = 1.0
 # What a position is read from.
 _PLACE = "xyzabc"
 # The pins that say that the tool is beyond one zone, and both.
@@ -59,8 +61,8 @@ def _hal() -> Any:
 class HalPositions:
     """The position that the pins have when it is asked for; of `positions.Positions` the form."""
 
-    def __init__(self, rotary: Collection[str] = ()) -> None:
-        """Make the component, for a machine with these of the axes A, B, C.
+    def __init__(self, rotary: Collection[str] = (), several: bool = False) -> None:
+        """Make the component, for a machine with these of the axes A, B, C; ``several``: and several tools.
 
         Raises InputError where HAL is not running, or has one of that name.
         """
@@ -85,7 +87,7 @@ class HalPositions:
         self._clearing = threading.Thread(target=self._clear_in_time, daemon=True)
         self._clearing.start()
         self._has_run = False
-        self._wanted = {"x", "y", "z", "running", "idle", *map(str.lower, rotary)}
+        self._wanted = {"x", "y", "z", "running", "idle", *map(str.lower, rotary), *["tool"] * several}
         self.angles: Vector | None = None
 
     @property
@@ -146,17 +148,20 @@ class HalPositions:
     def _over(self) -> bool:
         return time.monotonic() >= self._known
 
-    def _clear_where_over(self) -> None:
-        if self._over:
-            for name in ("go", *_BEYOND):
-                self._component[name] = False
+    def _clear_where_over(self) -> float | None:
+        """Clear the pins where it is time; return the seconds that are left, None where it is over."""
+        # By one look at the clock: what is over at the next is not taken for cleared.
+        left = self._known - time.monotonic()
+        if left > 0:
+            return left
+        for name in ("go", *_BEYOND):
+            self._component[name] = False
+        return None
 
     def _clear_in_time(self) -> None:
         with self._changed:
             while not self._closed:
-                self._clear_where_over()
-                left = self._known - time.monotonic()
-                self._changed.wait(left if left > 0 else None)
+                self._changed.wait(self._clear_where_over())
 
     def said(self, go: bool) -> None:
         """Show on the pin what an answer was, for as long as that is known, and that there was one."""
@@ -178,5 +183,5 @@ class HalPositions:
             self._closed = True
             self._changed.notify()
         # Pins that are gone cannot be cleared.
-        self._clearing.join()
+        self._clearing.join(_ENDS_SECONDS)
         self._component.exit()

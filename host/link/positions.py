@@ -3,6 +3,7 @@
 import os
 import re
 import select
+import stat
 import threading
 import time
 from collections.abc import Iterator
@@ -20,6 +21,8 @@ Position = tuple[Vector, int | None, Vector | None]
 _PART = 1 << 16
 # In which another line comes, most likely, of a control that writes as often as it can.
 _SOON_SECONDS = 0.002
+# Between two looks: what has come is no older than the look before.
+_LOOK_SECONDS = 0.0005
 
 
 class Positions:
@@ -33,8 +36,21 @@ class Positions:
     angles: Vector | None = None
 
     def __init__(self, descriptor: int) -> None:
-        """Begin to read from an open file, a pipe mostly, until it ends."""
+        """Begin to read from a pipe, or what is like one, until it ends; pass over what is in it already.
+
+        Of that nobody knows how old it is. Raises InputError where it is an ordinary file, as all of that is.
+        """
+        if stat.S_ISREG(os.fstat(descriptor).st_mode):
+            raise InputError(
+                "positions: an ordinary file does not say when the tool was there: give a pipe, or a FIFO, "
+                "that the control writes"
+            )
         self._descriptor, self._changed = descriptor, threading.Condition()
+        part = b""
+        while self._is_there(0) and (more := os.read(descriptor, _PART)):
+            part = more
+        # Whether the next line has begun before.
+        self._cut = part[-1:] not in (b"", b"\n")
         self._last: tuple[Report, int | None, Vector | None] | None = None
         self._wrong: InputError | None = None
         self._ended = False
@@ -58,9 +74,9 @@ class Positions:
     def _arrived(self) -> Iterator[tuple[Position, float]]:
         """Yield the last position of all lines that are there, and a time at which it was not written yet.
 
-        Lines that waited, as this process did not run or a control writes faster than they are read, came
-        after there was nothing: a reading takes all that is there of a pipe, and a line of a terminal. They
-        are passed over where others are about to come.
+        That is when it was looked last and there was nothing: a reading takes all that is there of a pipe,
+        and a line of a terminal. Lines that waited, as this process did not run or a control writes faster
+        than they are read, are passed over where others are about to come.
         """
         last: tuple[Position, float] | None = None
         # What has come of a line, and the time of that.
@@ -74,25 +90,30 @@ class Positions:
             if last is not None and not others:
                 yield last
                 last = None
-            if not waits:
-                self._is_there(None)
-            waited, since = waits, empty if waits else time.monotonic()
+            waited, looked = waits, time.monotonic()
+            while not (waits or self._is_there(_LOOK_SECONDS)):
+                empty, looked = looked, time.monotonic()
+            since = empty
             part = os.read(self._descriptor, _PART)
             *lines, left = (rest + part).split(b"\n")
+            begins = begun if rest else since
+            if self._cut and lines:
+                del lines[0]
+                self._cut, begins = False, since
             for number, line in enumerate(lines):
                 position = read_position(line.decode(errors="replace"))
-                last = position, since if number or not rest else begun
+                last = position, since if number else begins
             # What has no end is cut off.
             if not part:
                 if last is not None:
                     yield last
                 return
-            rest, begun = left, since if lines or not rest else begun
+            rest, begun = left, since if b"\n" in part or not rest else begun
             if len(rest) > _PART:
                 raise InputError("positions: a line without an end; the machine is stopped")
 
-    def _is_there(self, seconds: float | None) -> bool:
-        """Return whether there is something to read within a time, None for any."""
+    def _is_there(self, seconds: float) -> bool:
+        """Return whether there is something to read within a time."""
         return bool(select.select([self._descriptor], [], [], seconds)[0])
 
     def wait(self, seconds: float) -> bool:
@@ -126,7 +147,8 @@ class Positions:
 
 def read_position(line: str) -> Position:
     """Return position, tool and angles of a line; raise InputError where it is none."""
-    words = line.split()
+    # A control character that parts others may stand for the end of a line.
+    words = re.split(r"[ \t]+", line.strip(" \t\r"))
     try:
         if len(words) not in (3, 4, 7) or not all(map(_NUMBER.fullmatch, words)):
             raise ValueError

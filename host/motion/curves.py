@@ -1,4 +1,4 @@
-"""Curves of a program, and how far they are from their chords: arcs, helices, Bezier curves.
+"""Curves of a program, and how far they are from their chords: arcs and helices.
 
 A curve p(t), 0 <= t <= 1, whose second derivative is at most M long is at most M h^2 / 8 from the chord
 between two of its points h apart in t, each p(t) from the point of the chord at the same t (the error of
@@ -24,8 +24,10 @@ _RADII, _RADII_SHARE = 0.0508 * math.sqrt(2), 0.001
 _TOO_SHORT = 0.00127
 # As a share of R: how far a centre is from the chord at most that may as well be on it.
 _NEARLY_HALF = Fraction(2, 10**6)
-# Radians.
-_NOTHING = 1e-6
+# Radians; and times the radius squared, of which LinuxCNC makes a whole circle with inches for its units.
+_NOTHING, _NOTHING_TIMES_SQUARE = 1e-6, 6.5e-6
+# Below 10^-5 radians LinuxCNC takes an arc for a whole turn, where it joins moves.
+_WHOLE = 0.99e-5
 _SAMPLES, _CHORDS = 16, 32
 
 
@@ -150,32 +152,15 @@ class Turned(Curve):
         return replace(self, start=added(self.start, by), end=added(self.end, by), by=added(self.by, by))
 
 
-@dataclass(frozen=True)
-class Bezier(Curve):
-    """A Bezier curve of control points, the ends among them."""
-
-    points: tuple[Vector, ...]
-
-    def _point(self, part: float) -> Sequence[float]:
-        points = [[float(c) for c in point] for point in self.points]
-        while len(points) > 1:
-            points = [[x + (y - x) * part for x, y in zip(p, q, strict=True)] for p, q in pairwise(points)]
-        return points[0]
-
-    def moved(self, by: Vector) -> "Bezier":
-        """Return the curve elsewhere."""
-        points = tuple(added(point, by) for point in self.points)
-        return replace(self, start=points[0], end=points[-1], points=points)
-
-
 def arc(
     start: Vector, end: Vector, axes: tuple[int, int, int], centre: tuple[Fraction, Fraction],
-    clockwise: bool, turns: int, error: Fraction = Fraction(0),
+    clockwise: bool, turns: int, error: Fraction = Fraction(0), tolerance: Fraction = Fraction(0),
 ) -> Arc:  # fmt: skip
     """Return the arc about a centre; raise ValueError where there is none.
 
     ``error``: how far, in millimetres, the ends may be from where they are said to be: as much is taken for
-    nothing, and so for a whole circle.
+    nothing, and so for a whole circle. ``tolerance``: how far moves may be from what they are joined to, in
+    millimetres.
     """
     a, b, _ = axes
     first, last = ([float(p[k] - c) for k, c in zip((a, b), centre, strict=True)] for p in (start, end))
@@ -190,7 +175,12 @@ def arc(
     angle = math.atan2(first[1], first[0])
     turned = (math.atan2(last[1], last[0]) - angle) * (-1 if clockwise else 1) % (2 * math.pi)
     # Next to nothing is a whole circle to some controls: which holds the little arc.
-    nothing = max(_NOTHING, float(error) / min(radii))
+    nothing = max(_NOTHING, _NOTHING_TIMES_SQUARE / min(radii) ** 2, float(error) / min(radii))
+    if turns > 1 and tolerance and _beside_chord(turned, min(radii), float(error)) <= tolerance:
+        raise ValueError(
+            f"an arc of {turns} turns that ends next to where it began: within the tolerance of G64 LinuxCNC "
+            "leaves the turns out: give whole turns, or G61"
+        )
     whole = turns if turned < nothing else turns - 1
     sweep = (turned + 2 * math.pi * whole) * (-1 if clockwise else 1)
     # |p''| of (r0 + dr t) e(angle + sweep t) is at most r sweep^2 + 2 |dr sweep|.
@@ -228,15 +218,18 @@ def centre_by_radius(
     return centre, off if height <= (_NEARLY_HALF * radius) ** 2 else Fraction(0)
 
 
-def bezier(points: Sequence[Vector]) -> Bezier:
-    """Return the curve of three or four control points."""
-    n = len(points) - 1
-    # The second derivative is that of the control polygon, a mean of these.
-    second = [
-        math.sqrt(sum((p - 2 * q + r) ** 2 for p, q, r in zip(*three, strict=True)))
-        for three in zip(points, points[1:], points[2:], strict=False)
-    ]
-    return Bezier(points[0], points[-1], above(n * (n - 1) * max(second)), SLACK, tuple(points))
+def _beside_chord(turned: float, radius: float, error: float) -> float:
+    """Return how far from its chord the arc is, at least, that is left of one without its whole turns.
+
+    LinuxCNC goes along the chord instead, by way of the arc's middle, where that is below a tolerance: all
+    turns are left out then. ``turned``: radians; ``error``: of its ends.
+    """
+    unsure = error / radius
+    if turned + unsure < _WHOLE:
+        return 2 * radius
+    # One that is next to whole, and may be more, may as well be next to nothing.
+    least = max(turned - unsure, 0.0) if turned + unsure < 2 * math.pi + _WHOLE else 0.0
+    return radius * (1 - math.cos(least / 2))
 
 
 def above(length: float) -> Fraction:

@@ -15,13 +15,14 @@ degrees, and without offsets.
 """
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
 
 from triaxis.golden.errors import InputError
 from triaxis.golden.exact import Rational
 from triaxis.golden.input_file import Place
-from triaxis.host.motion.curves import Curve, arc, bezier, centre_by_radius
+from triaxis.host.motion.curves import Curve, arc, centre_by_radius
 from triaxis.host.motion.expression import Key, Value, exact
 from triaxis.host.motion.gcode import POLAR, Block, Word
 from triaxis.host.motion.kinematics import ROTARY
@@ -43,6 +44,8 @@ _PLANES = {"G17": (0, 1, 2), "G18": (2, 0, 1), "G19": (1, 2, 0)}
 _NOT_NEGATIVE = "FSTNHDL"
 # Millimetres: what rounds to 0 is 0 to a control.
 _LEAST_TOLERANCE = Rational(1, 1000)
+# Arcs are replaced by points up to a quarter of the tolerance apart, before these are joined within it.
+JOINED = Rational(5, 4)
 # Holes that one line may drill, and turns of one arc.
 _MOST_HOLES = _MOST_TURNS = 10_000
 # Words that may stand beside the one that begins a NURBS.
@@ -309,12 +312,12 @@ class Interpreter:
             # P0 is no tolerance of 0, but none at all.
             if left is not None and left > _LEAST_TOLERANCE:
                 # The path may be left by P, and moves that are nearly in line joined by as much, or Q.
-                tolerance = left + (left if joined is None else joined)
+                tolerance = left + JOINED * (left if joined is None else joined)
             elif self.machine.tolerance is None:
                 why = "lets the control round corners: give P, or path_tolerance in a machine file"
                 self.refuse(place, word, why)
             else:
-                tolerance = self.machine.tolerance + (joined or 0)
+                tolerance = self.machine.tolerance + JOINED * (joined or 0)
         self.modal, self.exact_path = replace(self.modal, tolerance=tolerance), True
 
     def length(self, place: Place, word: Word) -> Fraction:
@@ -553,6 +556,8 @@ class Interpreter:
         if motion in CYCLES:
             return self._drill(place, words, axes)
         try:
+            if motion in ("G5", "G5.1"):
+                return self._spline(place, words, target)
             self._line(place, target, motion == "G0", self._curve(place, words, target), vector(turned))
         except ValueError as error:
             if isinstance(error, InputError):
@@ -575,21 +580,29 @@ class Interpreter:
                 centre, off = centre_by_radius(start, target, plane, given["R"], clockwise)
             else:
                 centre, off = self._centre(given, plane), Fraction(0)
-            curve = arc(start, target, plane, centre, clockwise, turns)
+            within = self.modal.tolerance
+            curve = arc(start, target, plane, centre, clockwise, turns, tolerance=within)
             return replace(curve, slack=curve.slack + off)
-        if motion in ("G5", "G5.1"):
-            if self.modal.plane != "G17" or start[2] != target[2]:
-                raise ValueError("a spline is in the XY plane: give G17 and no Z")
-            if "I" not in given or "J" not in given:
-                raise ValueError("a spline without its first control point: give I and J")
-            first = vector((start[0] + given["I"], start[1] + given["J"], start[2]))
-            if motion == "G5.1":
-                return bezier([start, first, target])
-            if "P" not in words or "Q" not in words:
-                raise ValueError("a spline without its second control point: give P and Q")
-            x, y = (self.length(place, words[letter]) for letter in "PQ")
-            return bezier([start, first, vector((target[0] + x, target[1] + y, target[2])), target])
         return None
+
+    def _spline(self, place: Place, words: dict[str, Word], target: Vector) -> None:
+        """Go along a spline of one control point, or of two; no motion is in force after it.
+
+        To LinuxCNC it is the NURBS of its points; and the motion before it stays in force there.
+        """
+        start, motion = self.position, self.modal.motion
+        if self.modal.plane != "G17" or start[2] != target[2]:
+            raise ValueError("a spline is in the XY plane: give G17 and no Z")
+        if "I" not in words or "J" not in words:
+            raise ValueError("a spline without its first control point: give I and J")
+        if motion == "G5" and ("P" not in words or "Q" not in words):
+            raise ValueError("a spline without its second control point: give P and Q")
+        points = [start]
+        for of, letters in ((start, "IJ"), (target, "PQ"))[: 2 if motion == "G5" else 1]:
+            x, y = (self.length(place, words[letter]) for letter in letters)
+            points.append(added(of, vector((x, y, Rational(0)))))
+        points.append(target)
+        self._along_nurbs(place, points, [Fraction(1)] * len(points), len(points), "G17")
 
     def _only_nurbs(self, block: Block) -> None:
         """Refuse what may change the sense of control points, or leaves them."""
@@ -616,6 +629,8 @@ class Interpreter:
                 raise place.error(words["L"].text, "the order of a NURBS is 3 or more: correct it")
             first = weight if weight and not axes else Fraction(1)
             begun = ControlPoints(place, self.line, order, self.modal.plane, (self.position,), (first,))
+        elif "L" in words:
+            raise place.error(words["L"].text, "of a NURBS that has begun: give its order where it begins")
         if axes:
             wanted = _PLANES[begun.plane][:2]
             if axes.keys() != set(wanted):
@@ -639,17 +654,24 @@ class Interpreter:
         if len(begun.points) < begun.order:
             why = f"{len(begun.points)} points, the tool's own among them: order {begun.order} needs as many"
             raise place.error(word.text, why)
+        self.line = begun.line
         try:
-            zero = self.origin()
-            far = max(abs(float(c - z)) for point in begun.points for c, z in zip(point, zero, strict=True))
-            curves = nurbs(begun.points, begun.weights, begun.order, _PLANES[begun.plane][:2], far)
+            self._along_nurbs(begun.place, begun.points, begun.weights, begun.order, begun.plane)
         except ValueError as error:
-            raise begun.place.error("G5.2", str(error)) from error
-        self.line, off = begun.line, max(curve.slack for curve in curves)
-        told = f"{float(off):.2g} mm are added for the arcs by which controls follow NURBS"
-        self.notes.setdefault("nurbs", f"line {begun.line}: {told}")
+            raise error if isinstance(error, InputError) else begun.place.error("G5.2", str(error)) from error
+
+    def _along_nurbs(
+        self, place: Place, points: Sequence[Vector], weights: Sequence[Fraction], order: int, plane: str
+    ) -> None:
+        """Go along a NURBS; no motion is in force after it. Raises ValueError where nobody knows its way."""
+        zero = self.origin()
+        far = max(abs(float(c - z)) for point in points for c, z in zip(point, zero, strict=True))
+        curves = nurbs(points, weights, order, _PLANES[plane][:2], far)
+        off = max(curve.slack for curve in curves)
+        told = f"{float(off):.2g} mm are added for the arcs by which controls follow splines"
+        self.notes.setdefault("spline", f"line {self.line}: {told}")
         for curve in curves:
-            self._line(begun.place, curve.end, False, curve)
+            self._line(place, curve.end, False, curve)
         self.modal = replace(self.modal, motion=None)
 
     def end(self) -> None:

@@ -1,4 +1,4 @@
-"""NURBS of a program, how far they are from their chords, and how far LinuxCNC's arcs leave them."""
+"""Splines of a program, how far they are from their chords, and how far LinuxCNC's arcs leave them."""
 
 import math
 from collections.abc import Sequence
@@ -144,7 +144,7 @@ def _direction(curve: Nurbs, at: float, last: float, noise: float) -> _Way:
     way = [b - a for a, b in zip(low, high, strict=True)]
     length = math.hypot(*way)
     if length * _UNSURE <= noise:
-        raise ValueError("a NURBS that stands still somewhere: write it as plain moves")
+        raise ValueError("a spline that stands still somewhere: write it as plain moves")
     return _Way([c / length for c in way], 2 * noise / length)
 
 
@@ -161,8 +161,8 @@ def _off_arcs(part: Nurbs, plane: tuple[int, int], first: _Way, last: _Way) -> f
     differ = 1 - _dot(leaving, arriving)
     if differ < max(_STRAIGHT, _CLEARLY * max(first.unsure, last.unsure) ** 2):
         raise ValueError(
-            "a NURBS that is straight over a step of the control, where LinuxCNC goes elsewhere: write it as "
-            "plain moves"
+            "a spline that is straight over a step of the control, where LinuxCNC goes elsewhere: write it "
+            "as plain moves"
         )
     # Both arcs have tangents of length beta: |chord - beta (leaving + arriving)| = 2 beta.
     c, b = _dot(chord, chord), -2 * _dot(chord, [x + y for x, y in zip(leaving, arriving, strict=True)])
@@ -182,7 +182,7 @@ def _off_arcs(part: Nurbs, plane: tuple[int, int], first: _Way, last: _Way) -> f
         size, weight = math.hypot(*way), _dot(way, side) / (math.hypot(*way) * math.hypot(*side) or math.nan)
         # Both sides at the corner are as long: less than half a turn, unless there is none.
         if not weight > 0:
-            raise ValueError("a NURBS that two arcs do not follow over a step: write it as plain moves")
+            raise ValueError("a spline that two arcs do not follow over a step: write it as plain moves")
         curved = 2 * math.sqrt(max(1 - weight * weight, 0.0)) / size
         before: Sequence[float] = one
         for k in range(1, _COMPARED + 1):

@@ -23,7 +23,7 @@ from triaxis.golden.input_file import Place
 from triaxis.host.engines import Progress, unwatched
 from triaxis.host.motion.curves import SLACK, Curve, Turned, arc
 from triaxis.host.motion.expression import number
-from triaxis.host.motion.interpreter import PALLET
+from triaxis.host.motion.interpreter import JOINED, PALLET
 from triaxis.host.motion.kinematics import ROTARY
 from triaxis.host.motion.machine import SYSTEMS, Machine
 from triaxis.host.motion.moves import Move, Program, assumed_start, assumed_state
@@ -203,7 +203,7 @@ class _Told:
         self._set("system", line, values[1:], numbers[1:])
 
     def _joined(self, values: list[Fraction]) -> None:
-        self.joined = values[0] + _HALF * self.unit if values[0] else values[0]
+        self.joined = JOINED * (values[0] + _HALF * self.unit) if values[0] else values[0]
 
     def _place(self, position: list[Fraction], is_there: bool = True) -> Vector:
         """Return where the spindle's nose is, in the frame of WORK.stl, or where it never is."""
@@ -247,7 +247,8 @@ class _Told:
             start = self._before_turning(start)
             stop, middle = (added(vector(place), self.offsets["shift"]) for place in (end, centre))
         about = middle[axes[0]], middle[axes[1]]
-        curve: Curve = arc(start, stop, axes, about, turns < 0, abs(turns), 4 * self._error())
+        within = self.tolerance + self.joined if self.tolerance else Fraction(0)
+        curve: Curve = arc(start, stop, axes, about, turns < 0, abs(turns), 4 * self._error(), within)
         if turned:
             slack = curve.slack + 2 * SLACK
             curve = Turned(self.position, target, curve.bend, slack, curve, turned, self._origin())

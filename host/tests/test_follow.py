@@ -39,7 +39,7 @@ from triaxis.sim.board_parameters import BoardParameters
 from triaxis.sim.simulated_board import PINS
 from triaxis.sim.simulated_line import SimulatedLine, SimulatedWire
 
-PROGRAM = """G21 G90 G64 P0.4
+PROGRAM = """G21 G90 G64 P0.3 Q0.4
 G0 X30 Y25 Z20
 G1 Z10 F1000
 X60
@@ -59,7 +59,7 @@ POST = np.array([[[50, 20, 0], [52, 30, 12], [50, 30, 12]]], np.float32)
 ZONED = PROGRAM.replace("G0 X0 Y0 Z40", "G1 Z40")
 BESIDE = np.concatenate([FLOOR, POST + np.array([0, 3.1, 0], np.float32)])
 # Above the floor by any way, in long pieces, and down to be in a zone.
-RAPID = "G21 G90 G64 P0.4\nG0 X30 Y25 Z20\nG1 Z11 F1000\nG0 X60 Y26\nG1 Z1.5\nZ40\n"
+RAPID = "G21 G90 G64 P0.3 Q0.4\nG0 X30 Y25 Z20\nG1 Z11 F1000\nG0 X60 Y26\nG1 Z1.5\nZ40\n"
 SPEED, LAG = Fraction(100), Fraction(1, 50)
 # Of the program, in mm and in steps.
 SLACK, SLACK_STEPS = Fraction(4, 5), 80

@@ -54,7 +54,7 @@ def test_what_halsampler_writes_is_understood():
         done = subprocess.run(command, env=environment, capture_output=True, text=True, check=False)
     if done.returncode:
         pytest.skip(f"LinuxCNC's HAL does not start here: {done.stderr}")
-    report = Positions(piped(done.stdout)).report()
+    report = told(done.stdout).report()
     assert report and report[0] == (Fraction(25, 2), Fraction(-1, 8), 1000)
 
 
@@ -67,76 +67,102 @@ def test_what_halsampler_writes_is_understood():
         ("1 2 1e999999999\n", "must be X Y Z"), ("1 2 1e400\n", "must be X Y Z"),
         ("1 2 x\n", "must be X Y Z"), ("1 2 1/0\n", "must be X Y Z"),
         ("1 2 \ufffd\n", "must be X Y Z"),
+        # A control character does not part numbers: these may be the ends of two lines.
+        ("1 2 3\r4 5 6 7\n", "must be X Y Z"), ("1 2 3\v4\n", "must be X Y Z"),
+        ("1 2 3\u00a04\n", "must be X Y Z"),
     ],
 )  # fmt: skip
 def test_lines_that_are_no_positions_are_refused(text, what):
-    positions = Positions(piped(text))
+    positions = told(text)
     with pytest.raises(InputError, match=what):
         while positions.report():
             pass
 
 
-def piped(text):
-    """Return the end of a pipe that all of it is in, and nothing more comes."""
+def told(text):
+    """Return positions of a pipe that all of it is written to, after which nothing more comes."""
     end, start = os.pipe()
+    positions = Positions(end)
     with os.fdopen(start, "w", encoding="utf-8") as pipe:
         pipe.write(text)
-    return end
+    return positions
 
 
-def test_of_positions_that_waited_the_last_is_taken():
-    """As where this process was stopped meanwhile: with a time before it was read, and of none before it."""
+@pytest.mark.parametrize("waiting", [b"", b"0 0 40\n" * 9000, b"0 0 40\n0 0", b"0 0 4"])
+def test_what_waits_before_anybody_reads_it_is_no_position(waiting):
+    """It may have been written minutes ago, while the path was cut; nor is the rest of a line that was."""
     end, start = os.pipe()
-    os.write(start, b"".join(b"%d 0 0\n" % number for number in range(3000)) + b"9999 0")
+    os.write(start, waiting)
     begun = time.monotonic()
     positions = Positions(end)
+    assert not positions.wait(0.05)
+    cut = bool(waiting) and not waiting.endswith(b"\n")
+    os.write(start, b"0.5\n" * cut)
+    assert not positions.wait(0.05)
+    os.write(start, b"7 8 9\n10 11")
     first, since = positions.report() or pytest.fail("none")
-    assert first == (2999, 0, 0) and begun <= since <= time.monotonic()
-    os.write(start, b" 1\n")
+    assert first == (7, 8, 9) and begun <= since <= time.monotonic()
+    os.write(start, b" 12\n")
     while (last := (positions.report() or pytest.fail("none"))[0]) == first:
         pass
-    assert last == (9999, 0, 1)
+    assert last == (10, 11, 12)
     os.close(start)
+
+
+def test_an_ordinary_file_has_no_positions(tmp_path):
+    recorded = tmp_path / "recorded.txt"
+    recorded.write_text("0 0 40\n")
+    with recorded.open() as file, pytest.raises(InputError, match="does not say when the tool was there"):
+        Positions(file.fileno())
 
 
 @pytest.mark.parametrize(
     ("arriving", "reported"),
     [
-        # What comes while it is waited for.
-        ([(1, b"1 0 0\n"), (1, b"2 0 0\n")], [(1, 1), (2, 2.5)]),
+        # What comes while it is waited for: as old as the look before.
+        ([(8, b"1 0 0\n"), (8, b"2 0 0\n")], [(1, 4), (2, 16)]),
+        # This process was stopped while it waited.
+        ([(8, b"1 0 0\n"), (8000, b"2 0 0\n")], [(1, 4), (2, 12)]),
         # What was there as soon as the one before was read, another moment after it: the last alone counts.
-        ([(1, b"1 0 0\n"), (0, b"2 0 0\n3 0 0\n"), (0.001, b"4 0 0\n")], [(4, 2.001)]),
+        ([(8, b"1 0 0\n"), (0, b"2 0 0\n3 0 0\n"), (2, b"4 0 0\n")], [(4, 16)]),
         # No other comes soon: it may be as old as the look that found nothing.
-        ([(1, b"1 0 0\n"), (0, b"2 0 0\n"), (1, b"3 0 0\n")], [(2, 0), (3, 3)]),
+        ([(8, b"1 0 0\n"), (0, b"2 0 0\n"), (20, b"3 0 0\n")], [(2, 4), (3, 32)]),
         # In two parts: as old as the first.
-        ([(1, b"1 0"), (1, b" 0\n")], [(1, 1)]),
+        ([(8, b"1 0"), (8, b" 0\n")], [(1, 4)]),
         # A control that is never waited for, or one that waited, of which a line is read at a time.
-        ([(1, b"1 0 0\n"), (0, b"2 0 0\n"), (0, b"3 0 0\n"), (1, b"4 0 0\n")], [(2, 0), (3, 0), (4, 3.5)]),
+        (
+            [(8, b"1 0 0\n"), (0, b"2 0 0\n"), (0, b"3 0 0\n"), (20, b"4 0 0\n")],
+            [(2, 4), (3, 4), (4, 36)],
+        ),
     ],
 )
 def test_a_position_is_no_newer_than_is_known(arriving, reported, monkeypatch):
-    """A line takes half a second to read; with each, the seconds that pass before it comes."""
+    """In steps of half a look; a line takes four to read; with each, those that pass before it comes."""
+    step = positions._LOOK_SECONDS / 2
     clock, left = [0.0], list(arriving)
+    stopped = [wait for wait, _ in arriving if wait > 100]
 
     def is_there(_, seconds):
         wait = left[0][0] if left else 0
-        if not wait:
-            return True
-        if seconds is not None and seconds < wait:
+        if wait and wait not in stopped and seconds < wait * step:
+            left[0] = wait - round(seconds / step), left[0][1]
+            clock[0] += seconds / step
+            return False
+        if wait in stopped and not seconds:
             return False
         clock[0] += wait
-        left[0] = 0, left[0][1]
+        left[:1] = [(0, left[0][1])] if left else []
         return True
 
     def read(*_):
-        clock[0] += 0.5
+        clock[0] += 4
         return left.pop(0)[1] if left else b""
 
     monkeypatch.setattr(positions.Positions, "_is_there", is_there)
     monkeypatch.setattr(positions, "os", SimpleNamespace(read=read))
     monkeypatch.setattr(positions, "time", SimpleNamespace(monotonic=lambda: clock[0]))
     reader = object.__new__(Positions)
-    reader._descriptor = -1
+    reader._descriptor, reader._cut = -1, False
     found = [(int(position[0][0]), since) for position, since in reader._arrived()]
     assert found == reported
 
@@ -144,11 +170,11 @@ def test_a_position_is_no_newer_than_is_known(arriving, reported, monkeypatch):
 def test_a_line_without_an_end_is_no_position(monkeypatch):
     monkeypatch.setattr(positions, "_PART", 100)
     with pytest.raises(InputError, match="a line without an end"):
-        Positions(piped("1" * 150)).report()
+        told("1" * 150).report()
 
 
 def test_a_position_that_is_cut_off_is_none():
-    positions = Positions(piped("1 2 3\n10 20 3"))
+    positions = told("1 2 3\n10 20 3")
     while report := positions.report():
         assert report[0] == (1, 2, 3)
 
@@ -291,6 +317,20 @@ def test_pins_are_not_true_for_an_instant():
     assert {value for name, value in pins._component.kept if name != "beat"} == {False}
 
 
+def test_pins_are_cleared_that_are_over_between_two_looks():
+    """At the first there is a moment left; nobody looks again before somebody says something, or it waits."""
+    times = iter([0.9, 1.1])
+    pins = object.__new__(HalPositions)
+    pins._component, pins._changed, pins._known = Written(), threading.Condition(), 1.0
+    clock = SimpleNamespace(monotonic=lambda: next(times))
+    with pytest.MonkeyPatch.context() as patched:
+        patched.setattr(hal_module, "time", clock)
+        left = pins._clear_where_over()
+        assert left == pytest.approx(0.1) and not pins._component.kept
+        assert pins._clear_where_over() is None
+    assert {name for name, value in pins._component.kept if value is False} == {"go", "full-speed", "quiet"}
+
+
 def test_without_linuxcnc_it_says_so(monkeypatch):
     def absent(_):
         raise ModuleNotFoundError("No module named 'hal'")
@@ -325,9 +365,9 @@ def test_the_command_follows_the_pins_of_a_machine(machine, top, tmp_path, capsy
     class Stepped(HalPositions):
         """The machine goes on a step whenever it is looked at, and runs until it is at the end."""
 
-        def __init__(self, rotary):
+        def __init__(self, rotary, several):
             """Net all pins that are wanted."""
-            super().__init__(rotary)
+            super().__init__(rotary, several)
             machine.net("x", "y", "z", "running", "idle")
             machine.pins["z"] = 40.0
 

@@ -388,10 +388,12 @@ class Shown:
         self._shown.append(changes)
 
 
-def says_late(fifo):
+def says(fifo, text, begun, seconds):
     with fifo.open("w") as lines:
-        time.sleep(2)
-        lines.write("0 0 40\n")
+        # What is written before is passed over.
+        assert begun.wait(60)
+        time.sleep(seconds)
+        lines.write(text)
 
 
 def test_a_position_is_as_old_as_is_said():
@@ -419,7 +421,19 @@ def test_the_command_follows_positions_and_says_how_far(top, tmp_path, capsys, m
         record = np.zeros(len(facets), [("normal", "<f4", 3), ("facet", "<f4", (3, 3)), ("attribute", "<u2")])
         record["facet"] = facets
         path.write_bytes(bytes(80) + len(facets).to_bytes(4, "little") + record.tobytes())
-    positions, report = tmp_path / "positions", tmp_path / "report.json"
+    fifo, report = tmp_path / "fifo", tmp_path / "report.json"
+    os.mkfifo(fifo)
+    begun = threading.Event()
+
+    class Begun(watch_module.Positions):
+        """Positions of which it is known that they are read."""
+
+        def __init__(self, descriptor):
+            """Begin."""
+            super().__init__(descriptor)
+            begun.set()
+
+    monkeypatch.setattr(watch_module, "Positions", Begun)
     always = ["--speed", "100", "--lag", "50", "--hold", "500", "--start", "0", "0", "40"]
     # A clock that knows nothing of how busy the machine is.
     ticks = count()
@@ -458,23 +472,26 @@ def test_the_command_follows_positions_and_says_how_far(top, tmp_path, capsys, m
         began = [int(words[3]) for words in changes[:-1]]
         assert began[1:] == [warn["lines"][0], slow["lines"][0]] and began[0] < warn["lines"][0]
         assert 0 < slow["pieces"] < warn["pieces"] and {4, 5, 10} <= set(slow["lines"]) <= set(warn["lines"])
-        positions.write_text("0 0 40\n0 0\n")
+
+        def told(text, *words, seconds=0.0):
+            begun.clear()
+            control = threading.Thread(target=says, args=(fifo, text, begun, seconds))
+            control.start()
+            done = run("--positions", str(fifo), "--surfaces-only", *words)
+            control.join()
+            return done
+
         shown.clear()
-        run("--positions", str(positions), "--surfaces-only", "--page", "0")
+        told("0 0 40\n0 0\n", "--page", "0")
         assert "must be X Y Z" in shown[-1]["stopped"]
-        positions.write_text("0 0 40\n0 0 39.5\n")
-        status, said = run("--positions", str(positions), "--surfaces-only")
+        status, said = told("0 0 40\n0 0 39.5\n")
         assert status == 1 and "ENDED: the positions ended before the program did" in said.out
         # Silence for longer than the watchdog's time, before the machine starts.
-        fifo = tmp_path / "fifo"
-        os.mkfifo(fifo)
-        control = threading.Thread(target=says_late, args=(fifo,))
-        control.start()
-        status, said = run("--positions", str(fifo), "--surfaces-only")
-        control.join()
+        status, said = told("0 0 40\n", seconds=2.0)
         assert (status, said.err) == (1, "")
-        positions.write_text("0 0\n")
-        status, said = run("--positions", str(positions), "--surfaces-only")
+        bitstream = {"known": True, "any_allowed": False}
+        assert read_published(report, "watch")["bitstream"] == bitstream
+        status, said = told("0 0\n")
         assert status == 2 and "position '0 0': must be X Y Z in mm" in said.err
         assert read_published(report, "watch") == {"verdict": "unknown"}
         for option, what in (
