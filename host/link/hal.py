@@ -13,8 +13,8 @@
     triaxis.quiet                   bit, out: and beyond that of --warn
     triaxis.beat                    bit, out: another with each answer, for HAL's component watchdog
 
-A pin that nothing writes reads 0: until x, y, z, running, idle, those of a, b, c that turn, and tool where the
-program has several tools, are netted, there is no position, and no go.
+A pin that nothing writes reads 0: until x, y, z, running, idle, those of a, b, c that turn, and tool where
+the program has several tools, are netted, there is no position, and no go.
 """
 
 import math
