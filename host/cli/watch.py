@@ -495,7 +495,8 @@ def _told(
                 "verdict": verdict, "pieces": count, "permitted": done.permitted, "asked": done.asked,
                 "line": line, "position": done.place, "stock": options.stock,
                 "what": names[0] if names else None, "of": names[1] if names else None,
-                "shortest_hold_ms": done.shortest_hold, "longest_lag_ms": 1000 * done.longest_lag,
+                "shortest_hold_ms": done.shortest_hold if done.asked else None,
+                "longest_lag_ms": 1000 * done.longest_lag if done.asked else None,
                 **(more or {}),
             },
         )  # fmt: skip
@@ -507,8 +508,9 @@ def _told(
         "followed": "FOLLOWED: to the end of the program",
         "ended": "ENDED: the positions ended before the program did",
     }[verdict]
+    times = f", shortest hold {done.shortest_hold} ms, longest lag {1000 * done.longest_lag:.1f} ms"
     print(
-        f"{what}; {done.permitted} of {count} pieces permitted, asked {done.asked} times, shortest hold "
-        f"{done.shortest_hold} ms, longest lag {1000 * done.longest_lag:.1f} ms"
+        f"{what}; {done.permitted} of {count} pieces permitted, asked {done.asked} times"
+        f"{times if done.asked else ''}"
     )
     return DONE if verdict == "followed" else NO

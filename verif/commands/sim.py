@@ -127,7 +127,7 @@ def run(options: argparse.Namespace) -> int:
     options.config = options.config or next(iter(_configs(options.test)), _USUAL)
     check_test_fits(options.test, options.config)
     block = table()[options.test].block
-    # Its line takes 60 clocks a byte: too many for a step of Python each, but for waves and four states.
+    # Its line takes 57 clocks a byte: too many for a step of Python each, but for waves and four states.
     agent = options.agent or (BURST if block is Block.BOARD else PIN)
     if block is not Block.CORE and (options.replay is not None or options.soak):
         raise InputError("--replay and --soak go with tests of the core")
