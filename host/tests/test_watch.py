@@ -36,7 +36,7 @@ from triaxis.sim.pseudo_terminal import ServedBoard, Wire
 def lines_of(end):
     """Return all that comes from an open file, which stays open."""
     with os.fdopen(os.dup(end), encoding="utf-8") as lines:
-        return lines.read().splitlines(True)
+        return lines.read().splitlines()
 
 
 TOOLS = """rapids = "straight"
