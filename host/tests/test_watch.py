@@ -473,7 +473,7 @@ def test_the_command_follows_positions_and_says_how_far(top, tmp_path, capsys, m
         assert began[1:] == [warn["lines"][0], slow["lines"][0]] and began[0] < warn["lines"][0]
         assert 0 < slow["pieces"] < warn["pieces"] and {4, 5, 10} <= set(slow["lines"]) <= set(warn["lines"])
 
-        def told(text, *words, seconds=0.0):
+        def followed(text, *words, seconds=0.0):
             begun.clear()
             control = threading.Thread(target=says, args=(fifo, text, begun, seconds))
             control.start()
@@ -482,16 +482,16 @@ def test_the_command_follows_positions_and_says_how_far(top, tmp_path, capsys, m
             return done
 
         shown.clear()
-        told("0 0 40\n0 0\n", "--page", "0")
+        followed("0 0 40\n0 0\n", "--page", "0")
         assert "must be X Y Z" in shown[-1]["stopped"]
-        status, said = told("0 0 40\n0 0 39.5\n")
+        status, said = followed("0 0 40\n0 0 39.5\n")
         assert status == 1 and "ENDED: the positions ended before the program did" in said.out
         # Silence for longer than the watchdog's time, before the machine starts.
-        status, said = told("0 0 40\n", seconds=2.0)
+        status, said = followed("0 0 40\n", seconds=2.0)
         assert (status, said.err) == (1, "")
         bitstream = {"known": True, "any_allowed": False}
         assert read_published(report, "watch")["bitstream"] == bitstream
-        status, said = told("0 0\n")
+        status, said = followed("0 0\n")
         assert status == 2 and "position '0 0': must be X Y Z in mm" in said.err
         assert read_published(report, "watch") == {"verdict": "unknown"}
         for option, what in (
