@@ -307,13 +307,7 @@ def _through(
             permit, hold = on_board.permit, options.hold
             done.add(follow(follower, permit, report, time.monotonic, hold, display.seen, display.ahead))
         finally:
-            # What was permitted is over, before anybody is told of it; but pins wait for no dead line.
-            display.clear_pins()
-            try:
-                with suppress(LinkError):
-                    board.abort()
-            finally:
-                display.nothing()
+            display.end(board)
         if done.near:
             return done, "near", one.near_objects(done.near)
         if not follower.at_the_end:
@@ -389,13 +383,17 @@ class _Display:
                 permitted=self._follower.permitted,
             )  # fmt: skip
 
-    def clear_pins(self) -> None:
-        """Have pins say that nothing is known."""
+    def end(self, board: Board) -> None:
+        """End what the board permits, and show that nothing is known; pins wait for no line that is dead."""
         if self._pins is not None:
             self._pins.known_until(0.0)
+        try:
+            with suppress(LinkError):
+                board.abort()
+        finally:
+            self._nothing()
 
-    def nothing(self) -> None:
-        """Show that from here on nothing is known, where `clear_pins` does not."""
+    def _nothing(self) -> None:
         if self._page is not None:
             self._page.tell(verdict=None, **({"zone": None} if self._zones else {}))
         if self._zones and self._beyond is not None:

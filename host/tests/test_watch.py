@@ -405,6 +405,26 @@ def test_a_position_is_as_old_as_is_said():
     assert watch_module._as_expected(source, one, follower, False, 0.75) == (NOWHERE, 4.25)
 
 
+def test_pins_and_page_say_nothing_where_the_line_is_dead():
+    """Pins before the board is asked to stop, which takes seconds then; the page where that is interrupted."""
+    said = list[object]()
+
+    class Dead:
+        def abort(self):
+            said.append("abort")
+            raise KeyboardInterrupt
+
+    display = object.__new__(watch_module._Display)
+    display._zones, display._beyond = 0, None
+    pins: Any = SimpleNamespace(known_until=said.append)
+    page: Any = SimpleNamespace(tell=lambda **changes: said.append(changes))
+    board: Any = Dead()
+    display._pins, display._page = pins, page
+    with pytest.raises(KeyboardInterrupt):
+        display.end(board)
+    assert said == [0.0, "abort", {"verdict": None}]
+
+
 def test_what_only_the_board_finds_near_is_not_given_a_name():
     engine = SimpleNamespace(run=lambda *_, **__: SimpleNamespace(near=np.empty((0, 2), int)))
     part: Any = SimpleNamespace(engine=engine, supervised=None)
