@@ -776,6 +776,13 @@ def test_turns_that_a_tolerance_leaves_out_are_refused(tmp_path, text, is_read, 
                 reader(program, ORIGIN, False, Machine())
 
 
+def test_a_tiny_arc_holds_the_whole_circle_that_a_control_makes_of_it(read):
+    """LinuxCNC with inches, where r^2 times the angle is below 10^-8 of them squared."""
+    (tiny,) = read("F1 G3 X-0.00000006 Y0.00006 I-0.03").moves
+    (small,) = read("F1 G3 X-0.00006 Y0.06 I-30").moves
+    assert tiny.curve.sweep > 2 * math.pi > 1 > small.curve.sweep > 0
+
+
 @pytest.mark.parametrize("unit", ["G20", "G21"])
 @pytest.mark.parametrize(
     ("line", "points"),

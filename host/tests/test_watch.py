@@ -405,8 +405,15 @@ def test_a_position_is_as_old_as_is_said():
     assert watch_module._as_expected(source, one, follower, False, 0.75) == (NOWHERE, 4.25)
 
 
+def test_the_tool_of_an_stl_file_may_have_any_number():
+    tool: Any = SimpleNamespace(tool=7)
+    for tools, number, expected in (({}, 0, True), ({3: None}, 3, False), ({7: None}, 7, True)):
+        one: Any = SimpleNamespace(machine=SimpleNamespace(tools=tools), tool=SimpleNamespace(number=number))
+        assert watch_module._has_tool(tool, one) == expected
+
+
 def test_pins_and_page_say_nothing_where_the_line_is_dead():
-    """Pins before the board is asked to stop, which takes seconds then; the page where that is interrupted."""
+    """Pins before the board is asked to stop, which takes seconds then; the page if that is interrupted."""
     said = list[object]()
 
     class Dead:
