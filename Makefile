@@ -29,7 +29,8 @@ WHOLE ?=
 
 help: ## list the targets
 	@sed -n 's/^\([a-z-]*\):.*## /  \1\t/p' $(MAKEFILE_LIST) | expand -t 18
-	@echo "Variables: PYTHON (3.11 or newer), VERILATOR (5.036 or newer), SEED, TEST, CONFIG, GRID, LAUNCHER, WHOLE=1 (signoff)"
+	@echo "Variables: PYTHON (3.11 or newer), VERILATOR (5.036 or newer), SEED, TEST, CONFIG, GRID, LAUNCHER, WHOLE=1 (signoff),"
+	@echo "  PEERS= (bench), PROGRAMS (bench-programs), NETLIST and CELLS (netlist), COLD_TARGETS and COLD_BUSY (cold)"
 
 setup: $(READY) ## create .venv with the pinned dependencies
 

@@ -68,15 +68,24 @@ class Component:
 
         TDATA is whole bytes in AXI4-Stream; where it is not, as in the mesh engine, the ports stand alone.
         """
+        return {
+            name: {role: port.name for role, port in ports.items()}
+            for name, ports in self._handshakes().items()
+            if name not in self.ragged
+        }
+
+    @property
+    def ragged(self) -> dict[str, int]:
+        """Return the bits of TDATA where these are no whole bytes, by the names of what would be streams."""
+        bits = {name: p["TDATA"].left + 1 for name, p in self._handshakes().items() if "TDATA" in p}
+        return {name: count for name, count in bits.items() if count % 8}
+
+    def _handshakes(self) -> dict[str, dict[str, Port]]:
         found: dict[str, dict[str, Port]] = {}
         for port in self.ports:
             if port.stream:
                 found.setdefault(port.stream[0], {})[port.stream[1]] = port
-        return {
-            name: {role: port.name for role, port in ports.items()}
-            for name, ports in found.items()
-            if "TDATA" not in ports or (ports["TDATA"].left + 1) % 8 == 0
-        }
+        return found
 
 
 def component(top: str, parameters: Mapping[str, int], dut: Path = DUT) -> Component:

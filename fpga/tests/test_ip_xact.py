@@ -73,6 +73,7 @@ def test_the_file_has_what_the_module_has(written):
     assert set(one.streams) == (
         {"s_axis_load", "m_axis_done"} if one.top == "triaxis_mesh" else {"s_axis", "m_axis"}
     )
+    assert set(one.ragged) == ({"s_axis_run", "m_axis_near"} if one.top == "triaxis_mesh" else set())
     sides = {
         "s": texts(root, ".//i:busInterface[i:slave]/i:name"),
         "m": texts(root, ".//i:busInterface[i:master]/i:name"),

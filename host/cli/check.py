@@ -52,7 +52,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )  # fmt: skip
     parser.add_argument(
         "--rotate", nargs=2, action="append", default=[], metavar=("AXIS", "DEGREES"),
-        help="turn A about axis x, y or z of its frame, right-handed; again for further turns, in this order",
+        help="turn A about axis x, y or z of its frame, right-handed, before it is moved; again for further "
+        "turns, in this order",
     )  # fmt: skip
     add_distance(parser)
     add_engine(parser)
@@ -67,7 +68,7 @@ def add_meshes(parser: argparse.ArgumentParser, resolution: Fraction) -> None:
     add_numbers(parser, "--resolution", "R", step, resolution)
     wanted = "wanted clearance, in the files' unit (0.5); 0 is touching"
     add_numbers(parser, "--clearance", "C", wanted, Fraction(1, 2))
-    add_numbers(parser, "--move", "X Y Z", "move A (0 0 0), after it was turned, if it is", NOWHERE)
+    add_numbers(parser, "--move", "X Y Z", "move A (0 0 0)", NOWHERE)
     add_surfaces_only(parser)
     parser.add_argument("--json", type=Path, metavar="FILE", help="write a report")
 
@@ -213,7 +214,9 @@ def _tell(
     if run is not None:
         _print_run(options, meshes, run)
     if not near:
-        print_without_near_facets(insides, f"no facets come within {float(options.clearance):g}", ("A", "B"))
+        print_without_near_facets(
+            insides, f"no facets come within {float(options.clearance):.12g}", ("A", "B")
+        )
     if least is not None:
         about_least = "" if least.exact else "about "
         print(
@@ -266,7 +269,7 @@ def _print_scene(options: argparse.Namespace, meshes: MeshPair) -> None:
         turns = [f"turned by {float(turn.degrees):g} degrees about {AXES[turn.axis]}" for turn in pose.turns]
         print(f"A is {', '.join([*turns, 'moved by ' + ' '.join(f'{float(x):g}' for x in pose.move)])}")
     print(
-        f"grid: {grid.width} bits, resolution {float(grid.resolution):g}, offset ({offset}), rounding at "
+        f"grid: {grid.width} bits, resolution {float(grid.resolution):.12g}, offset ({offset}), rounding at "
         f"most {float(grid.rounding_bound):g}; margin {meshes.margin} steps"
     )
 
@@ -282,7 +285,7 @@ def _print_run(options: argparse.Namespace, meshes: MeshPair, run: SceneRun) -> 
     if not run.near_count:
         return
     count = "at least 1" if options.mode == Mode.FIRST else run.near_count
-    clearance = f"{float(options.clearance):g}"
+    clearance = f"{float(options.clearance):.12g}"
     print(f"NEAR: {count} facet pairs come within {clearance} (or within the rounding of it)")
     kind = "exact distance" if meshes.pose.exact else "distance as turned"
     of = euclidean_distance if options.distance == EUCLIDEAN else distance_of

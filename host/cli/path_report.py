@@ -120,8 +120,8 @@ def print_scene(checked: RuleCheck) -> None:
     print(f"{what}: {rule.files[0]}, {len(scene.a)} facets; {of}: {rule.files[1]}, {len(scene.b)} facets")
     print(f"path: {program.path}, {len(program.moves)} moves, {lengths(program).sum():.6g} mm")
     print(
-        f"grid: {grid.width} bits, resolution {float(wanted.resolution):g} mm; clearance "
-        f"{float(wanted.clearance):g} mm, false alarms less than {float(checked.band):g} mm beyond it"
+        f"grid: {grid.width} bits, resolution {float(wanted.resolution):.12g} mm; clearance "
+        f"{float(wanted.clearance):.12g} mm, false alarms less than {float(checked.band):g} mm beyond it"
     )
 
 
@@ -172,7 +172,7 @@ def print_nearest(profile: Profile) -> None:
 def print_verdict(checked: RuleCheck, several: bool) -> None:
     """Print it; ``several``: things were checked, of which this one decides."""
     result, names, scene = checked.result, checked.rule.names, checked.scene
-    clearance = f"{float(scene.wanted.clearance):g} mm{' by Euclid' * scene.wanted.euclidean}"
+    clearance = f"{float(scene.wanted.clearance):.12g} mm{' by Euclid' * scene.wanted.euclidean}"
     near = result.near
     later = checked.rule.numbers[result.asked_at] > 0
     start = (

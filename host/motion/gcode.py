@@ -191,6 +191,10 @@ def _line(place: Place, body: str) -> Line | _Flow:
             if match := _MACRO.match(rest, start):
                 why = "macros of a control are not understood: have their moves written by the post-processor"
                 raise place.error(match[0], why)
+            if (words or settings) and rest[start] in "oO":
+                raise place.error(
+                    rest[start:].split()[0], "an O word begins its line: move it to one of its own"
+                )
             if match := _PLAIN.match(rest, start):
                 scanner.at = match.end()
                 words.append(Word(match[1].upper(), number(match[2]), match[0]))
@@ -306,7 +310,9 @@ class Execution:
         found, end = self._nested(lines, None)
         self._labels = outside
         if end is not None:
-            raise end.place.error(f"O {end.does}", "ends what has not begun: remove it")
+            # A line before it that is wrong may be what it ends.
+            wrong = (line.wrong for line in found if isinstance(line, Line) and line.wrong is not None)
+            raise next(wrong, end.place.error(f"O {end.does}", "ends what has not begun: remove it"))
         return found
 
     def _nested(

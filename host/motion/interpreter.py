@@ -260,7 +260,9 @@ class Interpreter:
             if letter in words:
                 raise block.place.error(word.text, f"{letter} stands twice on the line: keep one")
             if letter == "O" and len(block.words) > 1:
-                raise block.place.error(word.text, "a program number stands alone on its line: move it")
+                raise block.place.error(
+                    word.text, "a program number stands alone on its line: move the others"
+                )
             if letter == "N" and index > 0:
                 raise block.place.error(word.text, "N must be the first word of its line: move it")
             whole = "OTHL" + "P" * bool(in_force & (ARCS | {"G10"})) + "Q" * ("M61" in on_line)

@@ -127,7 +127,7 @@ def assumed_state(lines: Sequence[str], moves: Sequence[Move]) -> str:
     ]
     if not missing:
         return ""
-    return f"line {moves[0].line}: no line up to it says otherwise: {', '.join(missing)} assumed"
+    return f"line {moves[0].line}: assumed, as no line up to the first move says it: {', '.join(missing)}"
 
 
 def assumed_start(moves: Sequence[Move]) -> str:

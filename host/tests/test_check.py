@@ -1,11 +1,13 @@
 """``triaxis check``: poses of the first mesh, engines, reports."""
 
+import json
+
 import pytest
 
 from triaxis.host import scenes
 from triaxis.host.cli import main
 from triaxis.host.scenes import mesh_data
-from triaxis.host.tests.published import read_published
+from triaxis.host.tests.published import SCHEMA, read_published
 from triaxis.host.tests.test_cli import meshes
 
 __all__ = ["meshes"]
@@ -31,6 +33,13 @@ def check(meshes, capsys, tmp_path):
 def report(tmp_path):
     """Return a function that reads the report."""
     return lambda: read_published(tmp_path / "new" / "report.json", "check")
+
+
+def test_the_schema_takes_reports_and_nothing_else():
+    jsonschema = pytest.importorskip("jsonschema")
+    published = jsonschema.Draft202012Validator(json.loads(SCHEMA.read_text()))
+    assert published.is_valid({"verdict": "unknown"})
+    assert not any(published.is_valid(other) for other in (42, [], {}, {"verdict": "clear"}, {"a": "b"}))
 
 
 @pytest.mark.simulator

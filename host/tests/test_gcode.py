@@ -76,12 +76,10 @@ def test_what_was_assumed_is_said(read):
     # All that a control may have in force when a program begins, but for what no move asks for.
     said = "G21 G90 G54 G92.1 G49"
     assert read("G21 G0 X1").notes == (
-        "line 1: no line up to it says otherwise: G90, G54, no G92, no length compensation assumed",
+        "line 1: assumed, as no line up to the first move says it: G90, G54, no G92, no length compensation",
     )
     assert (
-        read("F9\n(G18) G2 X2 R1 ; G90")
-        .notes[-1]
-        .endswith("G90, G17, G54, no G92, no length compensation assumed")
+        read("F9\n(G18) G2 X2 R1 ; G90").notes[-1].endswith("G90, G17, G54, no G92, no length compensation")
     )
     assert read(f"{said} G17\nG61\nF9 G2 X2 R1").notes == () == read(f"{said}\nG0 X1").notes
     assert read(f"{said}\nG0 X1 Y2 Z3", None).notes == (
@@ -168,6 +166,8 @@ REFUSED = [
     ("O1 if [1]\nG0 X1", 1, "O if", "has no endif"),
     ("O1 call", 1, "O<1>", "no such subroutine"),
     ("O1 fly", 1, "O1", "not understood"),
+    ("G0 X1\nG21 O1 if [1]\nG0 X2\nO1 endif", 2, "O1", "an O word begins its line"),
+    ("#1=2 O<t> call", 1, "O<t>", "an O word begins its line"),
     ("M250", 1, "M250", "not known"),
     ("G0 X1e3", 1, "e3", "not on the line"),
     ("G0 X1,5", 1, ",5", "not a letter followed by a decimal number"),

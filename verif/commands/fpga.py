@@ -212,6 +212,8 @@ def _ip(options: argparse.Namespace) -> int:
     written = ip_xact.write_component(one, folder)
     print(f"{one.top}: {', '.join(f'{name}={value}' for name, value in one.parameters.items())}")
     print(f"streams: {', '.join(one.streams)}; ports: {len(one.ports)}; files: {len(one.sources)}")
+    for name, bits in one.ragged.items():
+        print(f"plain ports: {name}: AXI4-Stream has whole bytes, and its TDATA is {bits} bits")
     print(f"written to {written}; a package of Vivado of it:")
     options_file = str(written.with_name("options.txt"))
     command = ["vivado", "-mode", "batch", "-notrace", "-source", str(ip_xact.PACKAGE_SCRIPT)]

@@ -189,7 +189,7 @@ def _failed(options: argparse.Namespace, result: RunResult) -> int:
         raise InputError(f"test {options.test}: {refused[0][1]}")
     # The last lines are the commands that repeat the run.
     fault = "" if options.fault is None else f" --fault {options.fault}"
-    print(result.explain().replace(" --waves\n", f"{fault} --waves\n") + fault, file=sys.stderr)
+    print(result.explain().replace(" --waves", f"{fault} --waves") + fault, file=sys.stderr)
     return NO
 
 

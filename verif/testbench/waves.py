@@ -98,11 +98,10 @@ _BOARD: Groups = {
 
 def check_waves(waves: str, agent: str, simulator: str) -> None:
     """Raise InputError where a run cannot leave such waves."""
-    if (agent, simulator) != (PIN, VERILATOR):
-        raise InputError(
-            "--waves: are of runs on the pins in Verilator: leave out --simulator; for the board "
-            "say --agent pin"
-        )
+    if agent != PIN:
+        raise InputError("--waves: are of runs on the pins: say --agent pin")
+    if simulator != VERILATOR:
+        raise InputError("--waves: are of Verilator: leave out --simulator")
     if waves == "fst" and shutil.which(_CONVERTER) is None:
         raise InputError(
             f"--waves fst: {_CONVERTER}: not found: install GTKWave (apt-get install gtkwave), or take vcd"

@@ -51,6 +51,7 @@ def test_no_older_signoff_outlives_one_that_is_refused(tmp_path, monkeypatch, ca
         (("RandomTest", "--config", "w99"), "must read w<width>_m<margin bits>"),
         (("RandomTest", "--config", "w99_m0"), "8..32"),
         (("RandomTest", "--pairs", "0"), "at least 1"),
+        (("RandomTest", "--agent", "burst", "--waves"), "on the pins: say --agent pin"),
         (("ReplayTest",), "goes with ReplayTest"),
         (("ReplayTest", "--replay", "no.npz"), "no.npz: cannot read"),
     ],

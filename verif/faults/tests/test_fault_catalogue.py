@@ -5,6 +5,7 @@ sign-off tries.
 """
 
 import os
+import re
 import shutil
 import subprocess
 from dataclasses import replace
@@ -309,6 +310,7 @@ def test_sim_runs_on_a_broken_core(seed, capsys):
     told = capsys.readouterr().err.strip()
     assert "right is clear by axis 10 (A edge 1 x B edge 2)" in told
     assert told.endswith("--fault F3")
+    assert re.search(r"waves: .* --fault F3 --waves  # at other clocks", told)
     # What a known fault brings out is no regression of the core.
     assert [sorted(folder.glob("*")) for folder in (REGRESSIONS, FOUND)] == before
     assert main(["sim", *arguments, "--fault", "F10-late"]) == 2

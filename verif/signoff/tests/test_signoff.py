@@ -1,5 +1,6 @@
 """The simulations of a sign-off can fail: whatever misses its bound is among their problems."""
 
+import re
 from dataclasses import replace
 from pathlib import Path
 
@@ -11,15 +12,19 @@ from triaxis.coverage.report import IllegalHit, ItemReport, ModelReport
 from triaxis.golden.errors import InputError
 from triaxis.sim.configuration import Configuration
 from triaxis.sim.mesh_engine import MeshEngine
+from triaxis.sim.paths import ROOT
 from triaxis.sim.validity import validity
 from triaxis.verif.core.detector_check import DetectorResult
 from triaxis.verif.core.solver_check import SolverResult
+from triaxis.verif.core.stimulus.families import FAMILIES
+from triaxis.verif.core.uvm_tests import BUILDS
 from triaxis.verif.regress.coverage_models import merge_coverage
 from triaxis.verif.signoff.plan import VOLUME, plan
 from triaxis.verif.signoff.scene_checks import SceneResult, check_sizes
 from triaxis.verif.signoff.simulation import SOURCES, SimulationResult
 from triaxis.verif.testbench.settings import BURST, PIN, Block, coverage_file
 from triaxis.verif.testbench.simulation import RunResult, run_settings
+from triaxis.verif.testbench.table import table
 
 HERE = validity(SOURCES)
 ALL_AXES = list(range(-1, 32))
@@ -113,6 +118,19 @@ def test_plan_covers_widths_margins_and_builds():
     assert {c.gating for c in configurations} == {True, False}
     assert sum(run.pairs for run in planned if run.test == "VolumeTest") >= VOLUME
     assert {run.agent for run in planned} == {PIN, BURST}
+
+
+def test_a_configuration_is_signed_off_with_its_share_of_the_volume_and_is_named():
+    volume = table()["VolumeTest"].volume
+    assert volume.keys() == set(BUILDS) and sum(volume.values()) == 100
+    said = (ROOT / "docs" / "signoff.md").read_text().partition("## The verdict")[0]
+    assert set(re.findall(r"`((?:mesh_|board_)?w\d+_m\w+)`", said)) == {run.config for run in plan(1)}
+
+
+def test_the_documents_tell_of_all_tests_and_families():
+    said = (ROOT / "docs" / "verification.md").read_text()
+    assert table().keys() <= set(re.findall(r"`(\w+Test)`", said))
+    assert f"all {len(FAMILIES)} families" in (ROOT / "docs" / "benchmarks.md").read_text()
 
 
 def test_coverage_of_another_model_ends_the_signoff(tmp_path):

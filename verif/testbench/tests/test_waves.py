@@ -48,8 +48,8 @@ def test_the_views_have_what_the_file_has(tmp_path):
 
 def test_what_leaves_no_waves_is_refused(monkeypatch):
     check_waves("vcd", PIN, VERILATOR)
-    for agent, simulator in ((BURST, VERILATOR), (PIN, "icarus")):
-        with pytest.raises(InputError, match="on the pins in Verilator"):
+    for agent, simulator, what in ((BURST, VERILATOR, "say --agent pin"), (PIN, "icarus", "leave out --sim")):
+        with pytest.raises(InputError, match=what):
             check_waves("vcd", agent, simulator)
     monkeypatch.setattr(waves.shutil, "which", lambda _: None)
     with pytest.raises(InputError, match="or take vcd"):
