@@ -225,6 +225,41 @@ def _answers(said: str) -> list[str]:
     return [" ".join(line.split()) for line in said.splitlines() if line.startswith("margin")]
 
 
+@pytest.mark.simulator
+@pytest.mark.parametrize(
+    ("document", "declared"),
+    [
+        (
+            "interface.md",
+            "logic pair_valid, pair_ready, result_valid, result_ready; logic [287:0] pair;"
+            "logic [7:0] margin; logic [15:0] tag, result, result_tag;",
+        ),
+        (
+            "mesh-engine.md",
+            "logic load_valid, load_ready, clear, mesh, run_valid, run_ready, abort_run, near_valid;"
+            "logic near_ready, done_valid, done_ready, acknowledge, fault, clear_of_b; logic [143:0] facet;"
+            "logic [50:0] move; logic [7:0] margin; logic [23:0] near_pair;",
+        ),
+    ],
+)
+def test_an_instance_as_a_document_shows_it(tmp_path, document, declared):
+    """Its ports are there, and as wide as what is connected."""
+    shown = re.search(r"```systemverilog\n(.*?)```", (FIRST_PAIR.parent / document).read_text(), re.DOTALL)
+    assert shown
+    around = tmp_path / "around.sv"
+    around.write_text(f"module around (input logic clk_i, rst_ni);\n{declared}\n{shown[1]}\nendmodule\n")
+    tool = toolchain.verilator()
+    command = [
+        tool.executable, "--lint-only", "-Wall", "-Wno-PINMISSING", "-Wno-UNDRIVEN", "-Wno-UNUSED",
+        "--top-module", "around", f"-I{DUT / 'core'}", "-F", DUT / "core" / "triaxis.f",
+        "-F", DUT / "mesh" / "triaxis_mesh.f", around,
+    ]  # fmt: skip
+    done = subprocess.run(
+        [str(word) for word in command], env=tool.environment(), capture_output=True, text=True, check=False
+    )
+    assert done.returncode == 0, done.stderr
+
+
 @pytest.mark.long
 @pytest.mark.simulator
 def test_the_first_pair(tmp_path):
