@@ -45,6 +45,10 @@ def main(arguments: list[str] | None = None) -> int:
     except KeyboardInterrupt:
         # Python gives signals back at its end, where another one would end it without an exit code.
         _handle_with(signal.SIG_IGN)
+        # It may have come just when there was an answer. None comes before these are imported.
+        from triaxis.host.cli.commands import withdraw_yes
+
+        withdraw_yes(sys.argv[1:])
         _say_interrupted()
         _drop_output()
         return INTERRUPTED

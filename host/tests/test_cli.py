@@ -250,6 +250,22 @@ def test_a_yes_goes_where_nothing_can_be_written(tmp_path, monkeypatch):
     assert not report.exists()
 
 
+def test_an_interrupt_between_the_answer_and_its_standing_withdraws_it(tmp_path):
+    report = tmp_path / "report.json"
+    late = (
+        "import sys; from pathlib import Path; from triaxis.host import cli\n"
+        "def answer(words, of_this_process):\n"
+        """    Path(words[-1]).write_text('{"verdict": "clear"}')\n"""
+        "    raise KeyboardInterrupt\n"
+        "cli._answer = answer\n"
+        "sys.exit(cli.main())"
+    )
+    words = (sys.executable, "-c", late, "check", "a.stl", "b.stl", "--json", report)
+    ended = subprocess.run([str(word) for word in words], capture_output=True, text=True, check=False)
+    assert (ended.returncode, ended.stderr) == (130, "triaxis: interrupted\n")
+    assert json.loads(report.read_text())["verdict"] == "unknown"
+
+
 def test_an_interrupt_that_a_command_took_for_something_else_is_one(monkeypatch):
     monkeypatch.setattr(commands, "runner", lambda name, words: lambda: 0)
     assert main(["check", "a.stl", "b.stl"]) == 0
