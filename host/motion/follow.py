@@ -586,7 +586,8 @@ def follow(
     def check_lag(since: float, until: float) -> None:
         if until - since > follower.lag:
             raise LateError(
-                f"an answer came {until - since:.3g} s after its position, --lag is {float(follower.lag):g} s"
+                f"an answer came {until - since:.3g} s after its position, --lag is {float(follower.lag):g} "
+                "s: give positions all the time, also where nothing moves, or a larger --lag"
             )
 
     done = Followed()
@@ -640,7 +641,10 @@ def follow(
         check_lag(since, answered)
         if said is not None and now() > said:
             # Go may have ended meanwhile, and begun again.
-            raise LateError(f"line {piece.line}: the permission before was not renewed within its time")
+            raise LateError(
+                f"line {piece.line}: the permission before was not renewed within its time: use a larger --hold "
+                "or --length"
+            )
         follower.permit(number)
         seen(number, hold, clear, since, answered)
 
