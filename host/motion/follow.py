@@ -642,8 +642,8 @@ def follow(
         if said is not None and now() > said:
             # Go may have ended meanwhile, and begun again.
             raise LateError(
-                f"line {piece.line}: the permission before was not renewed within its time: use a larger --hold "
-                "or --length"
+                f"line {piece.line}: the permission before was not renewed within its time: use a larger "
+                "--hold or --length"
             )
         follower.permit(number)
         seen(number, hold, clear, since, answered)
