@@ -269,6 +269,7 @@ class _ModelAssessor:
         self._variables[path] = next(self._variables[one] for one in outer if one in self._variables)
         # Verilator adds the parameters of an instance to the name of its module.
         module = next(iter(points)).module.partition("__")[0]
+        self.assessment.elaborated |= {(module, point.what) for point in points}
         self._points(Instance(path, module), points)
 
     def _points(self, instance: Instance, points: dict[Point, int]) -> None:

@@ -3,8 +3,9 @@
 The tests check every answer as always: coverage by a core that answers wrongly is worth nothing.
 """
 
+import re
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence, Set
 from contextlib import closing
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
@@ -47,7 +48,7 @@ from triaxis.sim.validity import Provenance, Sources, standing
 from triaxis.sim.verilate import LIGHT, Build, described, library
 from triaxis.verif.code_coverage.state_machines import covers, state_machines
 from triaxis.verif.core.detector_check import ask_at_random
-from triaxis.verif.testbench.assertions import with_antecedents
+from triaxis.verif.testbench.assertions import assertion_names, with_antecedents
 from triaxis.verif.testbench.settings import BURST, TEST_DATA, TEST_MODULES, Block, counters_file
 from triaxis.verif.testbench.simulation import run, run_settings
 from triaxis.verif.testbench.table import table
@@ -55,6 +56,8 @@ from triaxis.verif.testbench.table import table
 RESULT = BUILD / "coverage" / "code.json"
 COUNTERS = BUILD / "coverage" / "counters"
 SOURCES = Sources(("triaxis.verif.code_coverage.run", *TEST_MODULES), ("coverage/waivers.toml", *TEST_DATA))
+# What `with_antecedents` adds, by the label of its assertion.
+_ANTECEDENT = re.compile(r"(\w+)Antecedent : cover property")
 
 # Together they elaborate every generate block of dut/; the run fails if one is missing.
 CORES = (
@@ -144,18 +147,47 @@ def own_sources(configuration: Measured) -> list[Path]:
     return mesh_sources() if isinstance(configuration, MeshConfiguration) else rtl_sources()
 
 
+def _rules(configuration: Measured) -> tuple[Path, ...]:
+    """Return the files of assertions of what is measured."""
+    match configuration:
+        case None:
+            return ()
+        case BoardParameters():
+            return assertions(BOARD_SVA)
+        case MeshConfiguration():
+            return assertions(MESH_SVA)
+        case _:
+            return assertions(CORE_SVA)
+
+
+def unbound(rules: Iterable[Path], elaborated: Set[tuple[str, str]]) -> list[str]:
+    """Return the assertions with a left side that are in none of the models, a line each.
+
+    ``elaborated``: the modules and labels of those that are. Nothing else would miss one that is bound to
+    nothing any more.
+    """
+    found: list[str] = []
+    for path in rules:
+        labels = set(_ANTECEDENT.findall(with_antecedents(path)))
+        for name in assertion_names(path):
+            module, _, label = name.partition(".")
+            if label in labels and (module, label) not in elaborated:
+                found.append(f"{path.name}: {name} is in none of the models: is its module bound?")
+    return found
+
+
 def covered(configuration: Measured) -> Build:
     """Return the build that is measured: of the core, the mesh engine, the board or (None) the wrapper."""
     match configuration:
         case None:
-            build, rules = detector_build(DETECTOR_WIDTH), ()
+            build = detector_build(DETECTOR_WIDTH)
         case BoardParameters():
-            build, rules = board_build(configuration), assertions(BOARD_SVA)
+            build = board_build(configuration)
         case MeshConfiguration():
-            build, rules = mesh_build(configuration), assertions(MESH_SVA)
+            build = mesh_build(configuration)
         case _:
-            build, rules = core_build(configuration), assertions(CORE_SVA)
-    own = own_sources(configuration)
+            build = core_build(configuration)
+    own, rules = own_sources(configuration), _rules(configuration)
     sources = [source for source in build.sources if source.suffix == ".sv"]
     texts = {path.name: with_antecedents(path) for path in rules}
     for machine in state_machines(sources):
@@ -317,6 +349,8 @@ def measure(
         for assessment in assessments:
             together.add(assessment)
         whole = conclude(together, generate_blocks([*rtl_sources(), *mesh_sources(), *board_sources()]), read)
+        rules = dict.fromkeys(path for model in models for path in _rules(model))
+        whole.problems += unbound(rules, whole.elaborated)
         changed = not before.stands
     return CodeCoverage(runs, whole, read, time.perf_counter() - start, before.valid_for, changed)
 

@@ -5,11 +5,12 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from triaxis.coverage.stages import judge, read_figures
+from triaxis.coverage.stages import STAGES, judge, read_figures
 from triaxis.coverage.waiver_upkeep import waiver_problems
 from triaxis.golden.errors import InputError
 from triaxis.golden.input_file import read_input
 from triaxis.sim.validity import Sources
+from triaxis.verif.signoff.verify import contradictions, figures, left_open
 from triaxis.verif.testbench.settings import TEST_DATA, TEST_MODULES
 
 # The parts of the evidence, in the order of the report.
@@ -21,7 +22,14 @@ BESIDE = ("four_state", "netlist")
 # What all of a sign-off comes from: all that simulates, measures, proves, judges. No page, no command
 # line.
 SOURCES = Sources(
-    ("triaxis.verif.signoff.run", "triaxis.verif.faults.fault_tests", *TEST_MODULES),
+    (
+        "triaxis.verif.signoff.run",
+        "triaxis.verif.faults.fault_tests",
+        *TEST_MODULES,
+        # Simulators load these besides.
+        *(f"triaxis.verif.{block}.sabotage_tests" for block in ("core", "mesh", "board")),
+        "triaxis.verif.upsets.upset_test",
+    ),
     (
         "coverage/*.toml",
         "coverage/testplan.hjson",
@@ -57,7 +65,7 @@ def refusals(result: Path, rtl_hash: str, environment_hash: str) -> list[str]:
         return [f"{result}: no sign-off: run `make signoff`"]
     data = read_input(result)
     try:
-        content = json.loads(data)
+        content = json.loads(data, object_pairs_hook=_no_key_twice)
     except (ValueError, RecursionError) as error:
         return [f"{result}: not readable ({error}): run `make signoff` again"]
     if not isinstance(content, dict):
@@ -83,7 +91,41 @@ def refusals(result: Path, rtl_hash: str, environment_hash: str) -> list[str]:
     found += _missing_of_whole(content, signed) if content.get("whole") is True else _failed_beside(content)
     found += _untold(content)
     # A sign-off rests on its waivers, which may have changed since.
-    return found + _first(waiver_problems(_waivers(content)))
+    found += _first(waiver_problems(_waivers(content)))
+    # The same from what was counted, by what looks at it in an archive.
+    return found or _first([f"{result}: {line}" for line in _by_its_counts(content)])
+
+
+def _by_its_counts(content: dict[str, Any]) -> list[str]:
+    """Return what does not follow from what the parts of a sign-off counted, a line each.
+
+    By what looks at it in an archive: so what opens the gate passes there.
+    """
+    try:
+        parts, stored, beside = content["parts"], content["figures"], content["beside"]
+        found = [*left_open(content, "signoff"), *contradictions(parts, content["whole"])]
+        counted = figures(parts)
+        absent = {name.replace("_", " ") for name, part in beside.items() if set(part) == {"absent"}}
+        untold = absent - {line.partition(":")[0] for line in content["exceptions"]}
+    except (ValueError, LookupError, TypeError, AttributeError, RecursionError) as error:
+        return [f"{type(error).__name__}: {error}: run `make signoff` again"]
+    found += [f"{name}: absent, and no exception" for name in sorted(untold)]
+    found += [
+        f"{name}: {counted.get(name)} by what was counted, {stored.get(name)} in the file"
+        for name in sorted(counted.keys() | stored.keys())
+        if counted.get(name) != stored.get(name)
+    ]
+    if (set(parts), set(beside), content["stage"]) != (set(PARTS), set(BESIDE), STAGES[-1]):
+        found.append("other parts, or another stage, than those of a sign-off that passed")
+    if type(content["whole"]) is not bool:
+        found.append("does not say whether it is a whole one")
+    return found
+
+
+def _no_key_twice(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
+    if len(found := dict(pairs)) != len(pairs):
+        raise ValueError("a key stands twice")
+    return found
 
 
 def remarks(result: Path) -> list[str]:

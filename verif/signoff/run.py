@@ -7,6 +7,7 @@ edited meanwhile, and back, leaves what it never was: nothing is taken that was 
 goes in may be written to from then on.
 """
 
+import re
 import shutil
 import time
 from collections.abc import Callable, Mapping
@@ -17,10 +18,9 @@ from filelock import FileLock
 
 from triaxis.coverage.report import ModelReport
 from triaxis.golden.native import BUILD as NATIVE
-from triaxis.sim.build import rtl_files
 from triaxis.sim.evidence import Timeline
-from triaxis.sim.paths import BUILD
-from triaxis.sim.validity import provenance
+from triaxis.sim.paths import BUILD, ROOT
+from triaxis.sim.validity import standing
 from triaxis.verif.code_coverage.run import STEPS as CODE_COVERAGE_STEPS
 from triaxis.verif.faults.catching import signed_off_names
 from triaxis.verif.formal.proving import proof_names
@@ -47,6 +47,9 @@ from triaxis.verif.signoff.testplan import testplan_part
 
 # Folders of what is built, a folder each with a lock beside it.
 _BUILT = ("library", "simulation", "elaborated", "runtime", "mutation", "faults", "coverage")
+# Named by a hash of what they are of; outcomes of mutants, which lie beside them, are not.
+_OF_A_BUILD = re.compile(r"-[0-9a-f]{12}$")
+_PACKAGES = ("golden", "sim", "coverage", "fpga", "host", "verif", "bench")
 
 
 def step_count(seed: int, volume: int, whole: bool = False) -> int:
@@ -66,9 +69,9 @@ def signoff(seed: int, progress: Callable[[int], None], volume: int = VOLUME, wh
 
     ``whole``: four states and the netlist too, first; then nothing may be absent, nor taken from a record.
     """
-    start, begun, timeline = time.monotonic(), time.time(), Timeline()
+    start, timeline = time.monotonic(), Timeline()
     _forget_builds()
-    before = provenance(SOURCES)
+    before = standing(SOURCES)
     parts: dict[str, Part] = {}
     coverage: list[ModelReport] = []
 
@@ -118,13 +121,17 @@ def signoff(seed: int, progress: Callable[[int], None], volume: int = VOLUME, wh
     seconds = time.monotonic() - start
     beside = results_beside() if beside is None else beside
     spans = tuple(sorted(timeline.spans, key=lambda span: span.begin))
-    touched = any(path.stat().st_ctime > begun for path in (*rtl_files(), *SOURCES.files()))
-    return Signoff(ordered, beside, before, seed, volume, seconds, spans, whole, touched)
+    touched = not before.stands
+    return Signoff(ordered, beside, before.valid_for, seed, volume, seconds, spans, whole, touched)
 
 
 def _forget_builds() -> None:
-    for lock in (lock for name in _BUILT for lock in (BUILD / name).glob("?*.lock")):
-        with FileLock(lock):
-            shutil.rmtree(lock.with_name(lock.name.removesuffix(".lock")), ignore_errors=True)
+    for folder in (folder for name in _BUILT for folder in (BUILD / name).glob("*") if folder.is_dir()):
+        if _OF_A_BUILD.search(folder.name):
+            with FileLock(folder.with_name(folder.name + ".lock")):
+                shutil.rmtree(folder, ignore_errors=True)
+    # What Python keeps of our modules is in no hash, and simulators would run it.
+    for kept in [kept for name in _PACKAGES for kept in (ROOT / name).rglob("__pycache__")]:
+        shutil.rmtree(kept, ignore_errors=True)
     for library in NATIVE.glob("*.so"):
         library.unlink(missing_ok=True)

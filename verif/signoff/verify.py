@@ -3,9 +3,8 @@
     python3 -I verify.py [FOLDER]       (that of this file; -I: nothing else in it is run)
 
 - Every file is the one that SHA256SUMS has the hash of; there are no others, and no links.
-- The RTL in source/dut/ is that which was signed off, by a hash computed anew.
-- The verdict follows from what was counted: each figure is computed again, and held against its bound in
-  source/coverage/stages.toml; in no part of the sign-off is anything open.
+- The RTL in source/dut/ is that which was signed off. The verdict follows from what was counted: each figure
+  is computed again, and held against its bound in source/coverage/stages.toml; nothing is open.
 - Each witness, a pair with its distance, is proven again by source/bench/tritest/recheck.py.
 - attestation.json is about these, and sbom.cdx.json has the packages of the lock files.
 
@@ -44,8 +43,7 @@ def _files(folder: Path) -> Iterator[str]:
     every = {path.relative_to(folder).as_posix(): path for path in folder.rglob("*")}
     yield from (f"{name}: is a link" for name, path in every.items() if path.is_symlink())
     there = {name: path for name, path in every.items() if not path.is_dir()}
-    if len(listed) != len(lines):
-        yield "SHA256SUMS: names a file twice"
+    yield from ["SHA256SUMS: names a file twice"] * (len(listed) != len(lines))
     yield from (f"{name}: is missing" for name in sorted({*listed, *UNLISTED} - there.keys()))
     for name, path in sorted(there.items()):
         if name not in UNLISTED and (not path.is_file() or _sha256(path) != listed.get(name)):
@@ -71,7 +69,8 @@ def _passed(items: list[Any], key: str = "passed") -> float | None:
     return _share(sum(item[key] is True for item in items), len(items))
 
 
-def _figures(parts: dict[str, Any]) -> dict[str, Any]:
+def figures(parts: dict[str, Any]) -> dict[str, Any]:
+    """Return each figure as it follows from what the parts counted."""
     simulation, mutation, proofs = parts["simulation"], parts["mutation"], parts["proofs"]
     bins, runs = [x for model in simulation["coverage"].values() for x in model.values()], simulation["runs"]
     mutants, registers = mutation["files"].values(), proofs["registers"]["modules"].values()
@@ -94,16 +93,18 @@ def _figures(parts: dict[str, Any]) -> dict[str, Any]:
     }
 
 
-def _open(value: Any, where: str) -> Iterator[str]:
+def left_open(value: Any, where: str) -> Iterator[str]:
+    """Yield what is open, failed, or there where nothing may be, anywhere below a place."""
     of: Any = dict(enumerate(value)) if isinstance(value, list) else value if isinstance(value, dict) else {}
     for key, held in of.items():
         bad = held in ("open", "failed") or (key in NONE and held) or (key in SOME and held in (0, [], {}))
         if bad or (key in YES and held is not True and of.get("result") != ABSENT):
             yield f"{where}.{key}: {held}"
-        yield from _open(held, f"{where}.{key}")
+        yield from left_open(held, f"{where}.{key}")
 
 
-def _contradictions(parts: dict[str, Any], whole: bool) -> Iterator[str]:
+def contradictions(parts: dict[str, Any], whole: bool) -> Iterator[str]:
+    """Yield where parts do not add up."""
     simulation, mutation = parts["simulation"], parts["mutation"]
     for name, row in mutation["files"].items():
         if row["killed"] + row["equivalent"] != row["mutants"]:
@@ -133,13 +134,13 @@ def _verdict(folder: Path) -> Iterator[str]:
     for name, part in [*parts.items(), *needed.items()]:
         if part.get("passed") is not True or part.get("rtl_hash") != rtl or part.get("problems") != []:
             yield f"{name}: did not pass, or is of another RTL"
-    yield from _open(signoff, "signoff")
-    yield from _contradictions(parts, whole)
+    yield from left_open(signoff, "signoff")
+    yield from contradictions(parts, whole)
     run, told = parts["mutation"], {line.partition(":")[0] for line in signoff["exceptions"]}
     taken = {said for key, said in TAKEN if run[key]} | {x.replace("_", " ") for x in beside.keys() - needed}
     if taken - told or (whole and (taken or run["sample"] is not None)):
         yield "mutation, beside: not every mutant was played, or something is absent, and that is not said"
-    stored, found = signoff["figures"], _figures(parts)
+    stored, found = signoff["figures"], figures(parts)
     bounds = tomllib.loads((folder / "source/coverage/stages.toml").read_text())
     for name in sorted(stored.keys() | found.keys() | bounds.keys()):
         value, bound = found.get(name), bounds.get(name, {})
@@ -157,8 +158,7 @@ def _witnesses(folder: Path) -> Iterator[str]:
     command = [sys.executable, "-I", "-S", folder / "source/bench/tritest/recheck.py", folder / "witnesses"]
     ran = subprocess.run(command, capture_output=True, text=True, check=False)
     print(ran.stdout, end="")
-    if ran.returncode:
-        yield f"exit code {ran.returncode}: {ran.stderr.strip()}"
+    yield from [f"exit code {ran.returncode}: {ran.stderr.strip()}"] * bool(ran.returncode)
 
 
 def _statements(folder: Path) -> Iterator[str]:

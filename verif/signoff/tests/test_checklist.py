@@ -95,7 +95,7 @@ def test_lint_each_kind_of_coverage_and_a_waiver_without_a_reason_leave_their_it
         assert ("V3", "SIM_CODE_COVERAGE_AT_100, FPV_CODE_COVERAGE_AT_100") in found, kind
     found = left_open("proofs", lambda e: e.update(passed=False))
     assert ("V1", "FPV_MAIN_ASSERTIONS_PROVEN") in found
-    waived, hidden, read_in = (
+    waived, hidden, for_one, read_in = (
         one for one in read_checklist() if one.item == "LINT_COMPLETE" and one.kind == "without"
     )
     for item, text, answer in (
@@ -103,6 +103,10 @@ def test_lint_each_kind_of_coverage_and_a_waiver_without_a_reason_leave_their_it
         (hidden, "  /*verilator coverage_block_off*/\n", True),
         (hidden, "  // synthesis translate_off\n", True),
         (hidden, "  assign off = coverage;\n", False),
+        (for_one, "`ifdef SYNTHESIS\n", True),
+        (for_one, "  `ifndef  YOSYS\n", True),
+        (for_one, "`ifdef TRIAXIS_DSP_PORT_A\n", False),
+        (for_one, "`ifndef TRIAXIS_STAGE_SVH\n", False),
         (read_in, '`include "rule.inc"\n', True),
         (read_in, '`include "../rule.svh"\n', True),
         (read_in, "`include `RULE\n", True),

@@ -319,16 +319,23 @@ def test_every_part_is_in_its_place_whatever_goes_on_beside_it(stubbed):
 
 
 def test_nothing_is_taken_that_was_built_before(stubbed, tmp_path):
-    stale = [tmp_path / "library" / "w8_m8-0123", tmp_path / "runtime" / "4567", tmp_path / "native" / "a.so"]
+    stale = [
+        tmp_path / "library" / "w8_m8-0123456789ab", tmp_path / "runtime" / "headers-456789abcdef",
+        tmp_path / "native" / "a.so",
+    ]  # fmt: skip
     for place in stale[:2]:
         place.mkdir(parents=True)
-        place.with_name(f"{place.name}.lock").touch()
+    # Locks may be gone.
+    stale[0].with_name(f"{stale[0].name}.lock").touch()
     (tmp_path / "native").mkdir()
     stale[2].touch()
     # Of runs that wait for each other, and what is no build.
-    kept = [tmp_path / "faults" / ".lock", tmp_path / "faults" / "faults.json", tmp_path / "runs" / "a.lock"]
+    kept = [
+        tmp_path / "faults" / ".lock", tmp_path / "mutation" / "outcomes" / "core.json",
+        tmp_path / "runs" / "a.lock",
+    ]  # fmt: skip
     for place in kept:
-        place.parent.mkdir(exist_ok=True)
+        place.parent.mkdir(parents=True, exist_ok=True)
         place.touch()
     signoff_run.signoff(1, lambda _: None)
     assert [place.exists() for place in (*stale, *kept)] == [False] * 3 + [True] * 3
@@ -337,7 +344,7 @@ def test_nothing_is_taken_that_was_built_before(stubbed, tmp_path):
 def test_what_is_written_to_meanwhile_is_a_problem_though_it_is_as_before(stubbed, tmp_path):
     file = tmp_path / "a.sv"
     file.write_text("module a; endmodule\n")
-    stubbed.setattr(signoff_run, "rtl_files", lambda: [file])
+    stubbed.setattr("triaxis.sim.validity.rtl_files", lambda _: [file])
     stubbed.setattr(signoff_run, "SOURCES", Sources(("triaxis.verif.signoff.plan",)))
     # Time stamps of files may be some milliseconds late.
     time.sleep(0.05)
@@ -492,6 +499,33 @@ def test_each_reason_to_refuse(tmp_path, place, value, reason):
     good = good_content()
     found = refused(tmp_path, {**good, head: {**good[head], key: value} if key else value})
     assert any(reason in line for line in found), found
+
+
+def test_what_does_not_follow_from_what_was_counted_is_refused(tmp_path):
+    """By hand nothing can be made to pass that an archive of it would not."""
+    for change, said in (
+        (lambda c: c["parts"]["simulation"]["runs"][0].update(passed=False), "runs.0.passed: False"),
+        (
+            lambda c: c["parts"]["simulation"]["runs"][0]["counts"].update(failed=7),
+            "mismatches: 7 by what was",
+        ),
+        (lambda c: c["parts"]["mutation"]["files"]["a.sv"].update(killed=0, surviving=10), "surviving: 10"),
+        (lambda c: c["parts"]["proofs"]["proofs"][0].update(result="failed"), "failed"),
+        (lambda c: c["parts"]["lint"].update(problems=["x"]), "open_problems: 1 by what was counted"),
+        (lambda c: c.update(stage="V1"), "another stage"),
+        (lambda c: c.update(beside={}), "other parts"),
+        (lambda c: c.update(whole="true"), "whole"),
+        (lambda c: c["checklist"][0].update(answer="open"), "checklist"),
+        (lambda c: c["parts"].update(lint={"passed": True, "rtl_hash": c["rtl_hash"]}), "KeyError"),
+        (lambda c: (c["beside"].update(netlist={"absent": "no"}), c.update(exceptions=[])), "no exception"),
+    ):
+        content = json.loads(json.dumps(signed().content()))
+        assert not refused(tmp_path, content)
+        change(content)
+        assert any(said in line for line in refused(tmp_path, content)), said
+    text = (tmp_path / "signoff.json").read_text()
+    (tmp_path / "signoff.json").write_text('{"passed": false, ' + text[1:])
+    assert "stands twice" in refusals(tmp_path / "signoff.json", HERE.rtl_hash, HERE.environment_hash)[0]
 
 
 def test_what_is_no_sign_off_is_refused(tmp_path):
