@@ -28,7 +28,16 @@ from triaxis.sim.core_engine import CorePlayer
 from triaxis.sim.paths import board_sources, mesh_sources, rtl_sources
 from triaxis.sim.validity import Provenance
 from triaxis.sim.verilate import QUICK, compiler, described, library, runtime
-from triaxis.verif.code_coverage.run import BOARDS, CORES, ENGINES, CodeCoverage, Run, covered, write_json
+from triaxis.verif.code_coverage.run import (
+    BOARDS,
+    CORES,
+    ENGINES,
+    CodeCoverage,
+    Run,
+    covered,
+    unbound,
+    write_json,
+)
 from triaxis.verif.commands import coverage as command
 
 # Quick to build: its counters are shown to count here, not its coverage.
@@ -143,6 +152,19 @@ def test_the_result_is_written_and_the_exit_code_says_the_same(
     assert content["files"]["a.sv"]["line"]["total"] == 10
     assert content["waivers"][0]["bins"] == 1 and content["seed"] == 5
     assert main(["coverage", "code", "--pairs=0"]) == 2
+
+
+def test_an_assertion_that_is_bound_to_nothing_is_a_problem(tmp_path: Path) -> None:
+    rules = tmp_path / "held_sva.sv"
+    rules.write_text(
+        "module held_sva (input logic clk_i, a, b);\n"
+        "  Held : assert property (@(posedge clk_i) a |=> b);\n"
+        "  Never : assert property (@(posedge clk_i) !(a && b));\n"
+        "endmodule\n"
+    )
+    assert unbound([rules], {("held_sva", "Held")}) == []
+    (said,) = unbound([rules], {("other_sva", "Held")})
+    assert said == "held_sva.sv: held_sva.Held is in none of the models: is its module bound?"
 
 
 def test_an_elaboration_that_is_damaged_or_of_another_module_is_refused(tmp_path: Path) -> None:
