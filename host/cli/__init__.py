@@ -37,6 +37,7 @@ def main(arguments: list[str] | None = None) -> int:
     signal.pthread_sigmask(signal.SIG_BLOCK, _SIGNALS)
     _handle_with(_end)
     os.register_at_fork(after_in_child=_as_in_other_programs)
+    sys.unraisablehook = _swallowed
     try:
         code = _answer(sys.argv[1:], of_this_process=True)
         # There is an answer now, and it stands.
@@ -126,6 +127,19 @@ def _interrupt(_number: int, _frame: FrameType | None) -> NoReturn:
     begun = time.monotonic()
     _handle_with(lambda *_: _end(*_) if time.monotonic() - begun > _TOGETHER else None)
     raise KeyboardInterrupt
+
+
+def _swallowed(found: "sys.UnraisableHookArgs") -> None:
+    """Send an interrupt again that fell into a callback of Python's own, as of a weak reference."""
+    caught = [number for number in _SIGNALS if signal.getsignal(number) is not signal.SIG_IGN]
+    if not isinstance(found.exc_value, KeyboardInterrupt) or not caught:
+        sys.__unraisablehook__(found)
+        return
+    from threading import Timer
+
+    _handle_with(_interrupt)
+    # Not at once: it would fall in here.
+    Timer(0.05, os.kill, (os.getpid(), caught[0])).start()
 
 
 def _say_interrupted() -> None:

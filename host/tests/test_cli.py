@@ -266,6 +266,29 @@ def test_an_interrupt_between_the_answer_and_its_standing_withdraws_it(tmp_path)
     assert json.loads(report.read_text())["verdict"] == "unknown"
 
 
+def test_an_interrupt_that_python_swallows_comes_again():
+    """In a callback of a weak reference no exception goes further."""
+    lost = (
+        "import os, signal, sys, time, weakref\n"
+        "from triaxis.host import cli\n"
+        "from triaxis.host.cli import commands\n"
+        "class Thing: pass\n"
+        "def run():\n"
+        "    thing = Thing()\n"
+        "    send = lambda _: os.kill(os.getpid(), signal.SIGINT) or [0 for _ in range(9)]\n"
+        "    held = weakref.ref(thing, send)\n"
+        "    del thing\n"
+        "    print('swallowed', flush=True)\n"
+        "    time.sleep(20)\n"
+        "    return 0\n"
+        "commands.runner = lambda name, words: run\n"
+        "sys.exit(cli.main())"
+    )
+    words = (sys.executable, "-c", lost, "check", "a.stl", "b.stl")
+    ended = subprocess.run(words, capture_output=True, text=True, check=False)
+    assert (ended.returncode, ended.stdout, ended.stderr) == (130, "swallowed\n", "triaxis: interrupted\n")
+
+
 def test_an_interrupt_that_a_command_took_for_something_else_is_one(monkeypatch):
     monkeypatch.setattr(commands, "runner", lambda name, words: lambda: 0)
     assert main(["check", "a.stl", "b.stl"]) == 0
