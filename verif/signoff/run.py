@@ -130,7 +130,7 @@ def _forget_builds() -> None:
         if _OF_A_BUILD.search(folder.name):
             with FileLock(folder.with_name(folder.name + ".lock")):
                 shutil.rmtree(folder, ignore_errors=True)
-    # What Python keeps of our modules is in no hash, and simulators would run it.
+    # What Python keeps of our modules is in no hash, and simulators would run it. This process has.
     for kept in [kept for name in _PACKAGES for kept in (ROOT / name).rglob("__pycache__")]:
         shutil.rmtree(kept, ignore_errors=True)
     for library in NATIVE.glob("*.so"):
