@@ -35,14 +35,17 @@ def content_hash(files: Sequence[Path], *more: str) -> str:
 def rtl_files(dut: Path = DUT) -> list[Path]:
     """Return everything in a folder of RTL that can elaborate, sub-folders too, and the lists of files.
 
-    Raises InputError where a list, or one of the files, names what is not among them: nothing would tell of
-    its changes.
+    Raises InputError where a list, or one of the files, names what is not among them, and where a folder is
+    a link: nothing would tell of their changes.
     """
-    found = sorted(path for path in dut.rglob("*") if path.suffix in _RTL_SUFFIXES and path.is_file())
+    every = sorted(dut.rglob("*"))
+    if links := [path for path in every if path.is_symlink() and path.is_dir()]:
+        raise InputError(f"{links[0]}: must be a folder, and not a link to one")
+    found = [path for path in every if path.suffix in _RTL_SUFFIXES and path.is_file()]
+    places = {Path(os.path.normpath(path)) for path in found}
     for listing in (path for path in found if path.suffix == _LISTING):
         for entry in listing.read_text(encoding="utf-8").split():
-            place = Path(os.path.normpath(listing.parent / entry))
-            if place.suffix not in _RTL_SUFFIXES or not place.is_relative_to(os.path.normpath(dut)):
+            if Path(os.path.normpath(listing.parent / entry)) not in places:
                 raise InputError(f"{listing}: {entry}: must be a file of RTL in {dut}")
     names = {path.name for path in found}
     for path in found:

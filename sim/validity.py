@@ -7,6 +7,7 @@ it was taken back.
 """
 
 import ast
+import os
 import subprocess
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -140,9 +141,28 @@ def validity(sources: Sources, dut: Path = DUT) -> Validity:
 
 def provenance(sources: Sources) -> Provenance:
     """Return the same with the commit: to be taken before the first run."""
-    changed = git("status", "--porcelain")
-    clean = None if changed is None else not changed
-    return Provenance(**vars(validity(sources)), git_commit=git("rev-parse", "HEAD"), git_clean=clean)
+    return Provenance(
+        **vars(validity(sources)), git_commit=git("rev-parse", "HEAD"), git_clean=_is_clean(sources)
+    )
+
+
+def _is_clean(sources: Sources) -> bool | None:
+    """Return whether what is checked out is the commit; None where this is no checkout.
+
+    Of the files that results come from that is asked file by file: git does not look at what its index, or
+    a file of ignored names, tells it to pass over.
+    """
+    changed = git("status", "--porcelain", "--untracked-files=all")
+    if changed is None:
+        return None
+    places = [path.relative_to(ROOT).as_posix() for path in (*rtl_files(), *sources.files())]
+    found = git("hash-object", "--no-filters", "--", *places) or ""
+    kept = {place: entry.split()[2] for entry, place in _entries(git("ls-tree", "-r", "-z", "HEAD") or "")}
+    return not changed and [kept.get(place) for place in places] == found.split()
+
+
+def _entries(listing: str) -> Iterator[list[str]]:
+    return (line.split("\t", 1) for line in listing.split("\0") if line)
 
 
 _State = dict[Path, tuple[int, int] | None]
@@ -181,10 +201,11 @@ def _state(sources: Sources, dut: Path) -> _State:
 
 
 def git(*arguments: str) -> str | None:
-    """Return what git answers, or None where this is no checkout."""
+    """Return what git answers of this checkout, whatever its variables name; None where it is none."""
+    others = {name: value for name, value in os.environ.items() if not name.startswith("GIT_")}
     try:
         answer = subprocess.run(
-            ["git", "-C", str(ROOT), *arguments], capture_output=True, text=True, check=False
+            ["git", "-C", str(ROOT), *arguments], capture_output=True, text=True, check=False, env=others
         )
     except FileNotFoundError:
         return None

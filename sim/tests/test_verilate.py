@@ -66,11 +66,18 @@ def test_all_of_the_rtl_counts(dut):
         (dut / name).unlink()
 
 
-@pytest.mark.parametrize("entry", ["../../other.sv", "/other.sv", "other.inc", "+incdir+other"])
+@pytest.mark.parametrize("entry", ["../../other.sv", "/other.sv", "other.sv", "other.inc", "+incdir+other"])
 def test_a_list_that_names_what_is_not_hashed_is_refused(dut, entry):
     with (dut / "core" / "triaxis.f").open("a") as file:
         file.write(f"{entry}\n")
     with pytest.raises(InputError, match="must be a file of RTL"):
+        rtl_hash(dut)
+
+
+def test_a_folder_of_rtl_that_is_a_link_is_refused(dut, tmp_path):
+    shutil.copytree(DUT / "core", tmp_path / "other")
+    (dut / "core" / "sub").symlink_to(tmp_path / "other")
+    with pytest.raises(InputError, match="sub: must be a folder, and not a link to one"):
         rtl_hash(dut)
 
 

@@ -5,6 +5,7 @@ scoreboard are the same. The model, sim/core_player.cpp, runs hundreds of thousa
 a simulator that has nothing in it; a pin needs Python at each clock.
 """
 
+import sys
 from typing import Any
 
 import numpy as np
@@ -27,6 +28,7 @@ _RUNS = 2048
 # How much longer than its paces suggest a burst may take, and what comes on top for its ends.
 _BUDGET_FACTOR = 4
 _BUDGET_CYCLES = 10_000
+_SWITCH_SECONDS = 2e-4
 
 Array = npt.NDArray[Any]
 
@@ -37,6 +39,8 @@ class BurstBfm(FastModel[CorePlayer]):
     def __init__(self) -> None:
         """Nobody is told of anything yet."""
         super().__init__(CorePlayer)
+        # The simulator's thread waits so long at most for the interpreter's lock, which checks hold for long.
+        sys.setswitchinterval(_SWITCH_SECONDS)
         self.monitors: list[BurstMonitor] = []
         self._over = Event()
         self._bursting = False

@@ -139,6 +139,15 @@ class DataPath:
         self._check_fits(found, where)
         return found
 
+    def elements(self, cell: Cell, port: str, count: int) -> list[Word]:
+        """Return the elements of an array, in an order that does not matter."""
+        bits = cell.ports[port]
+        size = len(bits) // count
+        return [
+            self.exact(bits[place * size : (place + 1) * size], f"{cell.name}.{port}")
+            for place in range(count)
+        ]
+
     def _check_fits(self, word: Word, where: str) -> None:
         extent = word.polynomial.extent(self._width)
         if extent is None:

@@ -115,7 +115,7 @@ class AxisProof:
         return age + test(driver[0], axes()[number])
 
     def _box(self, cell: Cell, axis: Axis) -> int:
-        points = [self._elements(cell, port, 3) for port in ("a_i", "b_i")]
+        points = [self._path.elements(cell, port, 3) for port in ("a_i", "b_i")]
         for found, wanted in zip(points, (axis.on_a, axis.on_b), strict=True):
             if {word.polynomial for word in found} != set(wanted):
                 raise NetlistError(f"{cell.name}: not the coordinates of its axis")
@@ -125,21 +125,12 @@ class AxisProof:
 
     def _interval(self, cell: Cell, axis: Axis) -> int:
         own = self._path.exact(cell.ports["own_i"], cell.name)
-        points = self._elements(cell, "points_i", cell.parameters["Points"])
+        points = self._path.elements(cell, "points_i", cell.parameters["Points"])
         if not is_test_of(axis, own.polynomial, [word.polynomial for word in points]):
             raise NetlistError(f"{cell.name}: what it compares are not the projections on its axis")
         age = self._path.common_age(cell.name, own, *points)
         self._threshold(cell, axis, own, points, age)
         return age + self._path.latency("interval_latency", self._core.margin_bits)
-
-    def _elements(self, cell: Cell, port: str, count: int) -> list[Word]:
-        """Return the elements of an array, in an order that does not matter."""
-        bits = cell.ports[port]
-        size = len(bits) // count
-        return [
-            self._path.exact(bits[place * size : (place + 1) * size], f"{cell.name}.{port}")
-            for place in range(count)
-        ]
 
     def _margin(self, bits: Sequence[Bit], where: str) -> Word:
         found = self._path.word(bits, where)
@@ -163,7 +154,7 @@ class AxisProof:
         late = {clocks for _, clocks in origins}
         if source is None or source.kind != "triaxis_threshold" or drivers != expected or len(late) != 1:
             raise NetlistError(f"{cell.name}: its threshold is not one of triaxis_threshold")
-        components = self._elements(source, "axis_i", source.parameters["Components"])
+        components = self._path.elements(source, "axis_i", source.parameters["Components"])
         margin = self._margin(source.ports["margin_i"], source.name)
         if not same_up_to_signs([word.polynomial for word in components], axis.vector):
             raise NetlistError(f"{source.name}: not the components of the axis of {cell.name}")
@@ -191,12 +182,12 @@ class AxisProof:
         for name in ("degenerate_a", "degenerate_b", "coplanar"):
             if verdict.ports[f"{name}_i"] != cell.ports[f"{name}_o"]:
                 raise NetlistError(f"{verdict.name}: {name} is not that of {cell.name}")
-        found = [self._elements(cell, f"normal_{name}_i", 3) for name in ("a", "b")]
+        found = [self._path.elements(cell, f"normal_{name}_i", 3) for name in ("a", "b")]
         for words, normal in zip(found, normals(), strict=True):
             if not same_up_to_signs([word.polynomial for word in words], normal):
                 raise NetlistError(f"{cell.name}: not the normal")
-        flat = self._elements(cell, "flat_a_i", 3) + self._elements(cell, "flat_b_i", 3)
-        flat += self._elements(cell, "flat_edges_i", 9)
+        flat = self._path.elements(cell, "flat_a_i", 3) + self._path.elements(cell, "flat_b_i", 3)
+        flat += self._path.elements(cell, "flat_edges_i", 9)
         if missing := missing_of_plane([word.polynomial for word in flat]):
             raise NetlistError(f"{cell.name}: {missing}")
         waits = [cell.parameters[name] for name in ("NormalWait", "DetWait")]

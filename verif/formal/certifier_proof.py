@@ -234,21 +234,12 @@ class _CertifierProof:
         if driver is None or driver[0].kind != "triaxis_apart":
             raise NetlistError("its answer is not that of a comparison")
         cell = driver[0]
-        on_a, on_b = self._elements(cell, "a_i", 2), self._elements(cell, "b_i", 3)
+        on_a, on_b = self._path.elements(cell, "a_i", 2), self._path.elements(cell, "b_i", 3)
         self._projections(cell, on_a, on_b)
         age = self._path.common_age(cell.name, *on_a, *on_b)
         self._reach(cell, age + _REACH_WAIT)
         self._room(cell)
         return age + self._package.call("ApartLatency") + late
-
-    def _elements(self, cell: Cell, port: str, count: int) -> list[Word]:
-        """Return the elements of an array, in an order that does not matter."""
-        bits = cell.ports[port]
-        size = len(bits) // count
-        return [
-            self._path.exact(bits[place * size : (place + 1) * size], f"{cell.name}.{port}")
-            for place in range(count)
-        ]
 
     def _projections(self, cell: Cell, on_a: Sequence[Word], on_b: Sequence[Word]) -> None:
         axis = axes()[self._number]
@@ -276,7 +267,7 @@ class _CertifierProof:
         late = {clocks for _, clocks in origins}
         if source is None or drivers != [(source, "reach_o", place) for place in range(whole)]:
             raise NetlistError(f"{cell.name}: its reach is not that of triaxis_reach")
-        components = self._elements(source, "axis_i", 3)
+        components = self._path.elements(source, "axis_i", 3)
         if not same_up_to_signs([word.polynomial for word in components], axes()[self._number].vector):
             raise NetlistError(f"{source.name}: not the components of the axis")
         margin = self._path.word(source.ports["margin_i"], source.name)

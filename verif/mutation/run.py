@@ -7,6 +7,7 @@ from dataclasses import replace
 from pathlib import Path
 from threading import Event
 
+from triaxis.golden.native import written
 from triaxis.sim.build import content_hash, rtl_files, rtl_hash
 from triaxis.sim.evidence import Timeline
 from triaxis.sim.paths import DUT
@@ -34,6 +35,7 @@ from triaxis.verif.mutation.targets import TARGETS, AnyTarget
 
 # Of the record's states: that in which all evidence of equivalence was checked and held.
 EVIDENCE = "evidence"
+_WHOLE = "whole"
 CHANGED = "the RTL, or what plays its mutants, changed during the run: run again"
 
 
@@ -58,7 +60,7 @@ def mutate(
     but for those mutants, and entries of equivalent ones, that this seed draws. ``all_evidence``: of all
     mutants that are listed, whichever are played. Raises InputError where the RTL without mutants fails.
     """
-    start, begun, timeline = time.perf_counter(), time.time(), Timeline()
+    start, timeline, begun = time.perf_counter(), Timeline(), _state(dut)
     rtl, killers, proofs_of = rtl_hash(dut), killers_hash(), evidence_hash(dut)
     record_hash = content_hash([RECORD])
     sweep()
@@ -100,7 +102,7 @@ def mutate(
         finally:
             # Of what is proved, too: no longer than until its last proof has ended.
             wait([proofs])
-            touched = _forget_touched(begun, dut)
+            touched = _forget_touched(begun, _state(dut))
     killed = {one.mutant.id: one.killed for one in judged}
     fates = tuple(_fate(outcome, evidence) for outcome in judged)
     problems = [
@@ -164,27 +166,33 @@ def _settled(
     return {name: how for name, how in recorded.items() if name not in sampled | store.surviving}
 
 
-def _forget_touched(since: float, dut: Path) -> bool:
-    """Forget what became of mutants of blocks of which something was written since then, and what was proved
+def _state(dut: Path) -> dict[str, list[object]]:
+    """Return how the files stand that decide outcomes, by block, and those that decide a run as a whole."""
+    rtl = rtl_files(dut)
+    files = {
+        block: [
+            *(path for path in rtl if path.relative_to(dut).parts[0] in BLOCKS[:number]),
+            *OUTCOMES[block].files(),
+        ]
+        for number, block in enumerate(BLOCKS, 1)
+    }
+    files[_WHOLE] = [*rtl, *KILLERS.files(), *PROVERS.files(), RECORD]
+    return {what: [*paths, *written(paths)] for what, paths in files.items()}
+
+
+def _forget_touched(before: Mapping[str, object], after: Mapping[str, object]) -> bool:
+    """Forget what became of mutants of blocks of which something was written in between, and what was proved
     with it; return whether anything was.
 
     It may be again what it was before: then no hash tells that mutants were tried on something else.
     """
-    touched = False
-    for number, block in enumerate(BLOCKS, 1):
-        rtl = [path for path in rtl_files(dut) if path.relative_to(dut).parts[0] in BLOCKS[:number]]
-        if _written((*rtl, *OUTCOMES[block].files()), since):
-            touched = True
-            for path in outcomes.FOLDER.glob(f"outcomes-{block}-*.json"):
-                path.unlink()
-    if _written((*rtl_files(dut), *KILLERS.files(), *PROVERS.files(), RECORD), since):
-        touched = True
+    touched = {what for what, state in before.items() if after[what] != state}
+    for block in touched - {_WHOLE}:
+        for path in outcomes.FOLDER.glob(f"outcomes-{block}-*.json"):
+            path.unlink()
+    if touched:
         forget_proofs()
-    return touched
-
-
-def _written(files: Iterable[Path], since: float) -> bool:
-    return any(path.stat().st_ctime > since for path in files)
+    return bool(touched)
 
 
 def _fate(outcome: Outcome, evidence: Evidence) -> Fate:

@@ -4,6 +4,7 @@ import faulthandler
 import json
 import resource
 import signal
+import sys
 import time
 from collections.abc import Callable, Iterable, Mapping
 from concurrent.futures import ThreadPoolExecutor
@@ -42,9 +43,10 @@ from triaxis.verif.testbench.settings import (
     counters_file,
     from_environment,
     library_from_environment,
+    limit_file,
     result_file,
 )
-from triaxis.verif.testbench.trials import Model, next_model
+from triaxis.verif.testbench.trials import Model, next_model, planned
 from triaxis.verif.testbench.unknown_values import UnknownMonitor
 
 Component = TypeVar("Component", bound=uvm_component)
@@ -209,7 +211,9 @@ class EnvironmentTest(uvm_test):
         signal.signal(signal.SIGINT, signal.SIG_DFL)
         # Whatever else happens, no run computes for ever: where it was is said, then it is killed.
         limit = int(self.settings.time_limit)
-        faulthandler.register(signal.SIGXCPU)
+        # Of trials it is said by how they end. Open from here on: then nothing of Python runs any more.
+        self._where = sys.stderr if planned() else limit_file(Path(self.settings.folder)).open("w")
+        faulthandler.register(signal.SIGXCPU, self._where)
         resource.setrlimit(resource.RLIMIT_CPU, (limit, limit + 5))
         if self.bfm:
             self.bfm.open(Path(model.library), model.selected, self.settings.seed)

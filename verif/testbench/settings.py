@@ -91,10 +91,11 @@ class RunSettings:
     def time_limit(self) -> float:
         """Return the seconds of the processor after which the run is ended: many times what it should take.
 
-        Pin by pin, and where the golden model judges all, a pair takes up to a millisecond.
+        Pin by pin, and where the golden model judges all, a pair takes up to a millisecond. Of the board in
+        four states half a million clocks take ten minutes.
         """
         if self.block is Block.BOARD:
-            return 600 + self.pairs
+            return (7200 if self.four_state else 600) + self.pairs
         slow = self.agent == PIN or self.judged_one_in == 1
         return 300 + self.pairs * (1.0 if self.four_state else 1e-2 if slow else 2e-4)
 
@@ -181,6 +182,11 @@ def counters_file(folder: Path) -> Path:
 def coverage_file(folder: Path) -> Path:
     """Return the file into which the coverage subscriber writes its counts."""
     return folder / "coverage.json"
+
+
+def limit_file(folder: Path) -> Path:
+    """Return the file that says where a run was when its `time_limit` struck; else it is empty."""
+    return folder / "limit.txt"
 
 
 def failure_file(folder: Path) -> Path:

@@ -40,6 +40,7 @@ from triaxis.verif.testbench.settings import (
     RunSettings,
     coverage_file,
     failure_file,
+    limit_file,
     result_file,
 )
 from triaxis.verif.testbench.table import configurations
@@ -205,6 +206,13 @@ def errors_in(log: Path) -> tuple[tuple[str, ...], BrokenRule | None]:
     return tuple(found) or (none,), next(filter(None, found.values()), None)
 
 
+def _limit_struck(settings: RunSettings) -> str:
+    return (
+        f"ended after {int(settings.time_limit)} s of the processor, the limit of such a run: the machine is "
+        f"too slow, or the run hangs, in {limit_file(Path(settings.folder))}"
+    )
+
+
 def _builds(settings: RunSettings) -> tuple[Callable[[Path], Build], Callable[[Path], Build]]:
     """Return what makes a library and what makes a simulator of the RTL in a folder."""
     match settings.block:
@@ -271,6 +279,8 @@ def run(settings: RunSettings, dut: Path = DUT, model: Path | None = None) -> Ru
     counts, log = _counts(result_file(folder)), _log(folder)
     passed = ended_well and _passed(_results(folder)) and counts is not None and counts["failed"] == 0
     errors, rule = ((), None) if passed else errors_in(log)
+    if limit_file(folder).exists() and limit_file(folder).stat().st_size:
+        errors = (_limit_struck(settings), *errors)
     result = RunResult(settings, passed, seconds, counts, errors, log, rule=rule)
     if not settings.waves:
         return result

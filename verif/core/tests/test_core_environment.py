@@ -3,7 +3,13 @@
 Faults of the core have tests of their own, in verif/faults/tests/test_faults.py.
 """
 
+import os
 import re
+import signal
+import time
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import suppress
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -16,7 +22,7 @@ from triaxis.sim.models import core_build
 from triaxis.sim.verilate import library
 from triaxis.verif.core.tests.broken_rtl import broken_rtl
 from triaxis.verif.testbench import simulation
-from triaxis.verif.testbench.settings import BURST, PIN, Block
+from triaxis.verif.testbench.settings import BURST, PIN, Block, limit_file
 from triaxis.verif.testbench.simulation import build_for, run, run_settings
 from triaxis.verif.testbench.table import REPLAY, names_of
 
@@ -30,6 +36,36 @@ ON_PINS = ("RandomTest", "StallsTest", "ResetsTest")
 
 def burst(test, seed, pairs, folder, **options):
     return run_settings(test, CONFIG, seed, pairs, folder=folder, agent=BURST, **options)
+
+
+def test_a_run_that_its_limit_ends_says_so(tmp_path, seed):
+    """And not that something is wrong with the core."""
+    where = limit_file(tmp_path)
+
+    def children():
+        lists = Path("/proc/self/task").glob("*/children")
+        return [number for path in lists for number in path.read_text().split()]
+
+    def opened(number):
+        with suppress(OSError):
+            return [link.resolve() for link in Path(f"/proc/{number}/fd").iterdir()]
+        return []
+
+    def strike():
+        while not (holding := [number for number in map(int, children()) if where in opened(number)]):
+            time.sleep(0.05)
+        process = holding[0]
+        os.kill(process, signal.SIGXCPU)
+        while not where.stat().st_size:
+            time.sleep(0.05)
+        os.kill(process, signal.SIGKILL)
+
+    with ThreadPoolExecutor(1) as beside:
+        struck = beside.submit(strike)
+        result = run(burst("VolumeTest", seed, 5_000_000, tmp_path))
+        struck.result()
+    assert not result.passed
+    assert "s of the processor, the limit of such a run: the machine is too slow" in result.errors[0]
 
 
 @pytest.mark.parametrize(

@@ -12,8 +12,11 @@ from triaxis.golden.errors import InputError
 from triaxis.sim import validity
 from triaxis.sim.paths import DUT, ROOT
 from triaxis.sim.validity import Sources, standing
+from triaxis.verif.mutation.killers import OUTCOMES
 from triaxis.verif.regress.one_job import SOURCES
 from triaxis.verif.signoff import gate
+from triaxis.verif.testbench.settings import block_of
+from triaxis.verif.testbench.table import names_of
 
 
 def names(sources: Sources) -> set[str]:
@@ -39,6 +42,53 @@ def test_all_that_a_simulation_loads_counts_and_no_more() -> None:
     found = names(gate.SOURCES)
     assert {"coverage/waivers.toml", "verif/faults/patches/F2.patch", "verif/core/uvm_tests.py"} <= found
     assert not any(name.startswith(("host/cli", "verif/signoff/page.py")) for name in found)
+
+
+@pytest.mark.parametrize("config", ["w8_m8", "mesh_w8_m8_d64_g8_l2", "board_w8_m0_d16_g4_l2"])
+def test_what_plays_a_blocks_mutants_loads_nothing_that_their_record_does_not_know(config) -> None:
+    test = names_of(block_of(config))[0]
+    code = (
+        "import os, sys; from triaxis.verif.testbench.settings import RunSettings; "
+        f"os.environ.update(RunSettings({test!r}, 1, {config!r}, 1, '.').to_environment()); "
+        "import triaxis.verif.testbench.entry; "
+        "print(*(n for n in sys.modules if n.startswith('triaxis.')))"
+    )
+    answer = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    known = names(OUTCOMES[config.partition("_")[0] if "_d" in config else "core"])
+    loaded = {name.removeprefix("triaxis.").replace(".", "/") for name in answer.stdout.split()}
+    assert len(loaded) > 30
+    assert {f"{name}.py" for name in loaded if (ROOT / f"{name}.py").exists()} <= known
+
+
+def test_a_checkout_is_clean_where_each_file_is_that_of_the_commit(tmp_path, monkeypatch) -> None:
+    """Whatever the index, ignored names or variables of git say."""
+    rtl, data, late = tmp_path / "core.sv", tmp_path / "data.toml", tmp_path / "late.toml"
+    for file in (rtl, data):
+        file.write_text("right")
+    monkeypatch.setattr(validity, "ROOT", tmp_path)
+    monkeypatch.setattr(validity, "rtl_files", lambda *_: [rtl])
+    sources = Sources((), ("*.toml",))
+    assert validity._is_clean(sources) is None
+    identity = ("-c", "user.name=a", "-c", "user.email=a@example.org")
+    for arguments in (("init", "-q"), ("add", "."), (*identity, "commit", "-q", "-m", "all")):
+        assert validity.git(*arguments) is not None
+    monkeypatch.setenv("GIT_DIR", str(ROOT / ".git"))
+    assert validity._is_clean(sources)
+    late.write_text("ignored")
+    (tmp_path / ".git" / "info" / "exclude").write_text("late.toml")
+    assert validity._is_clean(sources) is False
+    late.unlink()
+    assert validity._is_clean(sources)
+    validity.git("config", "status.showUntrackedFiles", "no")
+    (tmp_path / "new").touch()
+    assert validity._is_clean(sources) is False
+    (tmp_path / "new").unlink()
+    for way in ("--assume-unchanged", "--skip-worktree"):
+        validity.git("update-index", way, "core.sv")
+        rtl.write_text("wrong")
+        assert validity._is_clean(sources) is False, way
+        rtl.write_text("right")
+        assert validity._is_clean(sources), way
 
 
 def test_whatever_is_imported_anywhere_in_a_module_changes_the_hash(tmp_path, monkeypatch) -> None:
