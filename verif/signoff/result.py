@@ -37,7 +37,8 @@ class Signoff:
 
     ``beside``: results of commands of their own; one that failed fails the sign-off, one that is not there is
     an exception. ``whole``: nothing may be absent, and what is fails the sign-off. ``touched``: what was
-    signed off was written to meanwhile, though it may be again what it was.
+    signed off was written to meanwhile, though it may be again what it was. ``variables``: those that were
+    set by which tools load what no hash is of.
     """
 
     parts: Mapping[str, Part]
@@ -49,6 +50,7 @@ class Signoff:
     timeline: tuple[Span, ...]
     whole: bool = False
     touched: bool = False
+    variables: tuple[str, ...] = ()
 
     @cached_property
     def figures(self) -> dict[str, Value]:
@@ -95,7 +97,9 @@ class Signoff:
     @property
     def _unmeasured(self) -> list[str]:
         proofs = self.parts["proofs"].evidence
-        return [*(proofs["exceptions"] if proofs else []), *unmeasured(self.beside)]
+        told = f"variables: {', '.join(self.variables)} set: tools may have loaded what no hash is of"
+        variables = [told] if self.variables else []
+        return [*(proofs["exceptions"] if proofs else []), *unmeasured(self.beside), *variables]
 
     @property
     def _recorded(self) -> list[str]:

@@ -7,6 +7,7 @@ edited meanwhile, and back, leaves what it never was: nothing is taken that was 
 goes in may be written to from then on.
 """
 
+import os
 import re
 import shutil
 import time
@@ -49,6 +50,11 @@ from triaxis.verif.signoff.testplan import testplan_part
 _BUILT = ("library", "simulation", "elaborated", "runtime", "mutation", "faults", "coverage")
 # Named by a hash of what they are of; outcomes of mutants, which lie beside them, are not.
 _OF_A_BUILD = re.compile(r"-[0-9a-f]{12}$")
+# By which Python, the loader or the compiler take other files than those that are installed.
+_VARIABLES = (
+    "PYTHONPATH", "PYTHONHOME", "LD_PRELOAD", "LD_LIBRARY_PATH", "CPATH", "CPLUS_INCLUDE_PATH",
+    "LIBRARY_PATH", "CXXFLAGS", "CPPFLAGS", "LDFLAGS",
+)  # fmt: skip
 _PACKAGES = ("golden", "sim", "coverage", "fpga", "host", "verif", "bench")
 
 
@@ -70,6 +76,7 @@ def signoff(seed: int, progress: Callable[[int], None], volume: int = VOLUME, wh
     ``whole``: four states and the netlist too, first; then nothing may be absent, nor taken from a record.
     """
     start, timeline = time.monotonic(), Timeline()
+    variables = tuple(name for name in _VARIABLES if os.environ.get(name))
     _forget_builds()
     before = standing(SOURCES)
     parts: dict[str, Part] = {}
@@ -122,7 +129,7 @@ def signoff(seed: int, progress: Callable[[int], None], volume: int = VOLUME, wh
     beside = results_beside() if beside is None else beside
     spans = tuple(sorted(timeline.spans, key=lambda span: span.begin))
     touched = not before.stands
-    return Signoff(ordered, beside, before.valid_for, seed, volume, seconds, spans, whole, touched)
+    return Signoff(ordered, beside, before.valid_for, seed, volume, seconds, spans, whole, touched, variables)
 
 
 def _forget_builds() -> None:

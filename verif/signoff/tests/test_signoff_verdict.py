@@ -345,6 +345,7 @@ def test_what_is_written_to_meanwhile_is_a_problem_though_it_is_as_before(stubbe
     file = tmp_path / "a.sv"
     file.write_text("module a; endmodule\n")
     stubbed.setattr("triaxis.sim.validity.rtl_files", lambda _: [file])
+    stubbed.setattr("triaxis.sim.validity._is_clean", lambda _: True)
     stubbed.setattr(signoff_run, "SOURCES", Sources(("triaxis.verif.signoff.plan",)))
     # Time stamps of files may be some milliseconds late.
     time.sleep(0.05)
@@ -353,6 +354,15 @@ def test_what_is_written_to_meanwhile_is_a_problem_though_it_is_as_before(stubbe
     assert signoff_run.signoff(1, lambda _: None).touched
     changed = replace(signed(), touched=True).problems
     assert any("changed during the run" in problem for problem in changed)
+
+
+def test_variables_that_bring_other_files_are_told(stubbed):
+    stubbed.setenv("PYTHONPATH", "/elsewhere")
+    found = signoff_run.signoff(1, lambda _: None)
+    assert found.variables == ("PYTHONPATH",)
+    said = "variables: PYTHONPATH set: tools may have loaded what no hash is of"
+    assert replace(signed(), variables=found.variables).exceptions[-1] == said
+    assert replace(signed(whole=True), variables=found.variables).problems == [said]
 
 
 @pytest.mark.parametrize("interrupted", ["faults", "mutation"])
