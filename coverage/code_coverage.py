@@ -239,8 +239,8 @@ class _ModelAssessor:
                 found.append((waiver, {**known, **numbers}))
         return found
 
-    def _place(self, instance: Instance, what: str) -> WaivedPlace:
-        return WaivedPlace(self._model.name, instance.module, instance.path, what)
+    def _place(self, instance: Instance, what: str, at: str = "") -> WaivedPlace:
+        return WaivedPlace(self._model.name, instance.module, instance.path, what, at)
 
     def _toggles(self, instance: Instance) -> None:
         waivers = self._applying("toggle", instance)
@@ -284,7 +284,7 @@ class _ModelAssessor:
             line = _source(p.path)[p.line - 1] if p.line <= len(_source(p.path)) else ""
             waiver = next((w for w, known in waivers[p.kind] if w.waives(p.what, known, line)), None)
             if waiver is not None:
-                self.assessment.cover(waiver, self._place(instance, p.what))
+                self.assessment.cover(waiver, self._place(instance, p.what, line))
             place = Bin(self._model.name, p.kind, p.file, p.line, p.what, instance.path)
             self.assessment.count(place, count > 0, waiver)
 

@@ -25,12 +25,13 @@ _AGAIN = "run `triaxis coverage code` again"
 
 @dataclass(frozen=True)
 class WaivedPlace:
-    """Where a waiver covers bins: the signal, for toggles, else the bin."""
+    """Where a waiver covers bins: the signal, for toggles, else the bin, and the line of the source."""
 
     model: str
     module: str
     instance: str
     what: str
+    at: str = ""
 
 
 def stale_patterns(waiver: Waiver, places: Iterable[WaivedPlace]) -> list[str]:
@@ -41,6 +42,7 @@ def stale_patterns(waiver: Waiver, places: Iterable[WaivedPlace]) -> list[str]:
         "instances": {place.instance for place in seen},
         "models": {place.model for place in seen},
         "what": {place.what for place in seen},
+        "at": {place.at for place in seen},
         "signals": {place.what for place in seen},
     }
     return [

@@ -161,6 +161,11 @@ def test_a_waiver_covers_bins(assessed):
         ("sum[1]", {"modules": ("top", "other")}, ": modules: other: fits no bin"),
         ("sum[1]", {"models": ("model", "w9_*")}, ": models: w9_*: fits no bin"),
         ("sum[1]", {"signals": ("sum", "difference")}, ": signals: difference: fits no bin"),
+        (
+            "\x02if\x01",
+            {"kind": "branch", "signals": (), "bits": (), "what": ("if",), "at": ("*", "gone")},
+            ": at: gone: fits no bin",
+        ),
         ("sum[1]", {"reviewed": {"top": "0"}}, "waiver 1 (toggle, top): its modules changed"),
     ],
 )
