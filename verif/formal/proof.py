@@ -57,8 +57,7 @@ class Finding:
     """What speaks against a claim, and what no tool decided, a line each; where there is neither: proved.
 
     ``facts``: how much was checked. ``absent``: why nothing was tried. ``registers``: those of dut/ in the
-    cone of influence of the claim, of what is proved only. ``trace``: of inputs by which a claim fails; where
-    an argument does not go through, or a cover is not reached, there is none.
+    cone of influence of the claim, of what is proved only.
     """
 
     problems: tuple[str, ...] = ()
@@ -67,7 +66,6 @@ class Finding:
     undecided: tuple[str, ...] = ()
     absent: str | None = None
     registers: frozenset[Register] = frozenset()
-    trace: Path | None = None
 
     @property
     def result(self) -> Result:
@@ -200,8 +198,7 @@ class SbyProof(Proof):
         log = folder / "check.log"
         problem = self._run(_CHECK, folder, log) or self._run(_COVER, folder, folder / "cover.log")
         if problem is not None:
-            trace = folder / f"proof_{_CHECK}" / "engine_0" / "trace.vcd"
-            return Finding((f"{self.name}: {problem}",), log, trace=trace if trace.exists() else None)
+            return Finding((f"{self.name}: {problem}",), log)
         facts = self._facts(folder)
         nothing = () if all(facts.values()) else (f"{self.name}: nothing was asserted, or nothing covered",)
         return Finding(nothing, log, facts, registers=self._cone(folder))

@@ -15,9 +15,10 @@
   all time, by the proofs of verif/formal/ that are named for it, and holds of the mutant as well.
 - "model": of the mesh engine with these parameters, and in every target, Verilator makes the same model of
   the mutant as of the original: what differs in the text is folded away.
-- "noticed": a proof of verif/formal/ holds of the original and fails of the mutant, with a trace. For what
-  is there against upsets alone: without one nothing shows, in no test; and for what a simulation would take
-  too long to come to. Such a mutant is killed, by that proof.
+- "noticed": a proof of verif/formal/ holds of the original and not of the mutant: it fails, or its argument
+  no longer goes through, and either fails a sign-off. For what is there against upsets alone: without one
+  nothing shows, in no test; and for what a simulation, or a trace from a reset, would take too long to come
+  to. Such a mutant is killed, by that proof.
 """
 
 import shutil
@@ -313,7 +314,7 @@ def _largest(entry: Equivalent) -> int | None:
 def keep_contract(entry: Equivalent, mutants: Sequence[Mutant], dut: Path = DUT) -> str | None:
     """Prove the contract of the entry's module of each mutant; return what is wrong, None where it holds.
 
-    Of those that are noticed it must fail, by a trace: that an argument does not go through is not enough.
+    Of those that are noticed it must not hold.
     """
     proofs, files = _proofs_of(entry.module)
     if not proofs:
@@ -323,11 +324,11 @@ def keep_contract(entry: Equivalent, mutants: Sequence[Mutant], dut: Path = DUT)
     for mutant in mutants:
         if mutant.file not in files:
             return f"{mutant.id}: {entry.evidence}: the proofs of {entry.module} are not of {mutant.file}"
-        broken = _broken(proofs, mutant, dut, entry.evidence == NOTICED)
+        broken = _broken(proofs, mutant, dut)
         if broken and entry.evidence == CONTRACT:
             return f"{mutant.id}: not equivalent by its contract: {broken}"
         if not broken and entry.evidence == NOTICED:
-            return f"{mutant.id}: not noticed: no proof of {entry.module} fails of it with a trace"
+            return f"{mutant.id}: not noticed: the proofs of {entry.module} hold of it as well"
     return None
 
 
@@ -340,16 +341,13 @@ def _proofs_of(module: str) -> tuple[list[Proof], set[str]]:
     return [*found], {file for proof in found for file in proof.dut_files}
 
 
-def _broken(proofs: Iterable[Proof], mutant: Mutant | None, dut: Path, traced: bool = False) -> str | None:
-    """Return what the first of the proofs that fails says of a mutant, or of none; None where all hold.
-
-    ``traced``: of those that fail with a trace.
-    """
+def _broken(proofs: Iterable[Proof], mutant: Mutant | None, dut: Path) -> str | None:
+    """Return what the first of the proofs that fails says of a mutant, or of none; None where all hold."""
     with temporary() as folder:
         _copy(dut, folder / "dut", mutant)
         for proof in proofs:
             finding = proof.prove(folder / "dut", folder / proof.name)
-            if finding.problems and (finding.trace or not traced):
+            if finding.problems:
                 return finding.problems[0]
             if finding.undecided:
                 name = mutant.id if mutant else "the original"

@@ -24,7 +24,6 @@ from triaxis.sim.evidence import Timeline
 from triaxis.sim.paths import DUT, ROOT
 from triaxis.sim.player import ASSERTION
 from triaxis.verif.commands import inject
-from triaxis.verif.formal.proof import Finding, SbyProof
 from triaxis.verif.mutation import builds, equivalence, killers, killing, outcomes, record, result, targets
 from triaxis.verif.mutation import run as run_module
 from triaxis.verif.mutation.catalogue import catalogue as parsed
@@ -542,20 +541,6 @@ def test_a_proof_notices_a_mutant_only_where_it_fails():
     right = next(one for one in read_equivalents() if one.module == "triaxis_stream_fifo")
     harmless = catalogue().by_id[right.mutants[0]]
     assert f"{harmless.id}: not noticed" in (keep_contract(entry, [harmless]) or "")
-
-
-def test_a_mutant_of_which_an_argument_does_not_go_through_is_not_noticed(tmp_path, monkeypatch):
-    """What was proved without it may hold of it, by another argument."""
-    wrong = of("triaxis_stream_fifo", "equality", "held_d == count_t'(Depth)")
-    entry = Equivalent((wrong.id,), "reason", NOTICED, "triaxis_stream_fifo", {}, "it is full")
-
-    def found_of(trace):
-        findings = iter([Finding(), Finding(("check: UNKNOWN",), trace=trace)])
-        monkeypatch.setattr(SbyProof, "prove", lambda *_: next(findings))
-        return keep_contract(entry, [wrong])
-
-    assert found_of(tmp_path) is None
-    assert f"{wrong.id}: not noticed" in (found_of(None) or "")
 
 
 def test_corners_refuse_a_bit_that_is_needed():
