@@ -3,6 +3,10 @@
 They mean what they do to the interpreter of LinuxCNC (its manual, "G code: overview"), the only public one
 that says all of it: expressions are evaluated in double precision, as a control does, so that a loop ends
 where the control's ends. A number that stands alone stays the exact decimal that it is.
+
+Of some numbers a control may have other last digits: of where it is, which it adds up in its own order and
+unit, and of sines, powers, .., which no two libraries compute alike. They are `Approximate`, as is what is
+computed with them, and no step may hang on those digits: a comparison, a rounding, the sign of a zero.
 """
 
 import math
@@ -44,12 +48,16 @@ def exact(value: Value) -> Fraction:
     return Rational(round(value * 10**9), 10**9) if isinstance(value, (float, int)) else value
 
 
+class Approximate(float):
+    """A number of which controls have different last digits."""
+
+
 class NoParameterError(ValueError):
     """A number that no parameter has."""
 
 
 class InexactError(ValueError):
-    """A comparison that controls answer differently."""
+    """A comparison, or a rounding, whose outcome controls differ in."""
 
 
 @dataclass
@@ -62,6 +70,8 @@ class Memory:
     ask: Callable[[Key], Value | None]
     common: dict[Key, Value] = field(default_factory=dict)
     frames: list[dict[Key, Value]] = field(default_factory=lambda: [{}])
+    # What the line sets that is being read.
+    being_set: frozenset[Key] = frozenset()
 
     def _of(self, key: Key) -> dict[Key, Value]:
         own = key <= ARGUMENTS if isinstance(key, int) else not key.startswith("_")
@@ -73,6 +83,8 @@ class Memory:
             return True
         if key.startswith("_"):
             raise ValueError(f"#<{key}> may be the control's: set it before")
+        if key in self.being_set:
+            raise ValueError(f"#<{key}> is set on the very line that asks for it: ask on a line before")
         return False
 
     def get(self, key: Key) -> Value:
@@ -134,7 +146,7 @@ class Scanner:
         if sign and sign in "+-":
             self.at += 1
             inner = self.value()
-            return inner if sign == "+" else lambda memory: -inner(memory)
+            return inner if sign == "+" else lambda memory: _negated(inner(memory))
         if text := self._match(_NUMBER):
             found = number(text)
             return lambda _: found
@@ -175,12 +187,12 @@ class Scanner:
             above = self.bracket()
             self.expect("/", "ATAN takes two values")
             below = self.bracket()
-            return lambda memory: math.degrees(math.atan2(float(above(memory)), float(below(memory))))
+            return _applied(_atan, above, below)
         function = _FUNCTIONS.get(name)
         if function is None:
             raise ValueError(f"{name.upper()} is no function: correct it")
         inner = self.bracket()
-        return lambda memory: _checked(function, float(inner(memory)))
+        return lambda memory: _checked(function, _double(inner(memory)))
 
     def _binary(self, level: int) -> Expression:
         """Read operations that bind as much as those of a level, or more."""
@@ -197,12 +209,23 @@ class Scanner:
 
 
 def _applied(operation: Callable[[float, float], float], left: Expression, right: Expression) -> Expression:
-    return lambda memory: _checked(operation, float(left(memory)), float(right(memory)))
+    return lambda memory: _checked(operation, _double(left(memory)), _double(right(memory)))
+
+
+def _double(value: Value) -> float:
+    return value if isinstance(value, float) else float(value)
+
+
+def _negated(value: Value) -> Value:
+    if isinstance(value, Approximate):
+        return Approximate(-value)
+    # A zero keeps its sign, which the angle to the left of it shows.
+    return -value if value else -float(value)
 
 
 def _checked(function: Callable[..., float], *values: float) -> float:
     try:
-        result = float(function(*values))
+        result = _double(function(*values))
     except InexactError:
         raise
     except (ValueError, OverflowError, ZeroDivisionError):
@@ -226,39 +249,122 @@ def _exists(memory: Memory, key: Callable[[Memory], Key]) -> Fraction:
         return Fraction(0)
 
 
+def _known(*values: Value) -> bool:
+    return not any(isinstance(value, Approximate) for value in values)
+
+
+def _like(operation: Callable[..., float]) -> Callable[..., float]:
+    """Return an operation whose result is approximate where an operand is."""
+
+    def apply(*values: float) -> float:
+        result = operation(*values)
+        return result if _known(*values) else Approximate(result)
+
+    return apply
+
+
+def _library(function: Callable[[float], float], exact_at: float) -> Callable[[float], float]:
+    """Return a function that no two libraries compute alike, but at one place."""
+
+    def apply(value: float) -> float:
+        result = function(value)
+        return result if _known(value) and value == exact_at else Approximate(result)
+
+    return apply
+
+
+def _rounding(function: Callable[[float], float], jumps_at: float = 0.0) -> Callable[[float], float]:
+    """Return a function to whole numbers, which jumps at those, or beside them."""
+
+    def apply(value: float) -> float:
+        from_jump = value - jumps_at
+        # Beyond what moves anything, one more or less is as little as the error.
+        if not _known(value) and abs(value) <= LARGEST and abs(from_jump - round(from_jump)) < _EQUAL:
+            raise InexactError(
+                f"{value!r} is rounded up by some controls, and down by others: go from a number"
+            )
+        return function(value)
+
+    return apply
+
+
 def _differ(a: float, b: float) -> bool:
-    if a != b and abs(a - b) < _EQUAL:
+    if (a != b or not _known(a, b)) and abs(a - b) < _EQUAL:
         raise InexactError(f"{a!r} and {b!r} are equal to some controls only: compare with a number between")
     return a != b
 
 
+def _greater(a: float, b: float) -> bool:
+    return a > b if _known(a, b) else _differ(a, b) and a > b
+
+
+def truth(value: Value) -> bool:
+    """Return whether a value counts as true; raise InexactError where that depends on the control."""
+    if not _known(value) and abs(value) < _EQUAL:
+        raise InexactError(f"{value!r} is 0 to some controls only: compare it with a number")
+    return bool(value)
+
+
+def times(value: Value) -> int:
+    """Return how often something is repeated; raise InexactError where that depends on the control."""
+    return int(_rounding(round, 0.5)(_double(value)))
+
+
 def _mod(a: float, b: float) -> float:
     rest = math.fmod(a, b)
+    if not _known(a, b) and min(abs(rest), abs(b) - abs(rest)) < _EQUAL:
+        raise InexactError(f"{a!r} is a multiple of {b!r} to some controls only: go from a number")
     return rest + abs(b) if rest < 0 else rest
 
 
 def _power(a: float, b: float) -> float:
-    return math.pow(a, b)
+    result = math.pow(a, b)
+    # Libraries agree on whole powers of whole numbers.
+    whole = a.is_integer() and b.is_integer() and result.is_integer() and abs(result) < 1 << 53
+    return result if whole and _known(a, b) else Approximate(result)
+
+
+def _quotient(a: float, b: float) -> float:
+    if not _known(b) and abs(b) < _EQUAL:
+        raise InexactError(f"{b!r} divides, and has another sign to some controls: go from a number")
+    return a / b
+
+
+def _atan(a: float, b: float) -> float:
+    if not _known(a) and abs(a) < _EQUAL and b < _EQUAL:
+        raise InexactError(f"{a!r} above {b!r} has the angle 180 to some controls, -180 to others")
+    result = math.degrees(math.atan2(a, b))
+    return result if _known(a, b) and a == 0 else Approximate(result)
+
+
+def _round(value: float) -> float:
+    if abs(value) >= 1 << 31:
+        raise InexactError(f"{value!r} is rounded to a number of 32 bits by some controls: make it smaller")
+    return math.floor(abs(value) + 0.5) * math.copysign(1, value)
 
 
 _FUNCTIONS: dict[str, Callable[[float], float]] = {
-    "abs": abs, "acos": lambda x: math.degrees(math.acos(x)), "asin": lambda x: math.degrees(math.asin(x)),
-    "cos": lambda x: math.cos(math.radians(x)), "exp": math.exp, "fix": math.floor, "fup": math.ceil,
-    "ln": math.log, "round": lambda x: math.floor(abs(x) + 0.5) * math.copysign(1, x),
-    "sin": lambda x: math.sin(math.radians(x)), "sqrt": math.sqrt, "tan": lambda x: math.tan(math.radians(x)),
+    "abs": _like(abs), "sqrt": _like(math.sqrt),
+    "exp": _library(math.exp, 0), "ln": _library(math.log, 1),
+    "sin": _library(lambda x: math.sin(math.radians(x)), 0),
+    "cos": _library(lambda x: math.cos(math.radians(x)), 0),
+    "tan": _library(lambda x: math.tan(math.radians(x)), 0),
+    "asin": _library(lambda x: math.degrees(math.asin(x)), 0),
+    "acos": _library(lambda x: math.degrees(math.acos(x)), 1),
+    "fix": _rounding(math.floor), "fup": _rounding(math.ceil), "round": _rounding(_round, 0.5),
 }  # fmt: skip
 # From those that bind least to those that bind most.
 _LEVELS: tuple[dict[str, Callable[[float, float], float]], ...] = (
     {
-        "and": lambda a, b: bool(a) and bool(b), "or": lambda a, b: bool(a) or bool(b),
-        "xor": lambda a, b: bool(a) != bool(b),
+        "and": lambda a, b: truth(a) and truth(b), "or": lambda a, b: truth(a) or truth(b),
+        "xor": lambda a, b: truth(a) != truth(b),
     },
     {
         "eq": lambda a, b: not _differ(a, b), "ne": _differ,
-        "gt": lambda a, b: a > b, "lt": lambda a, b: a < b,
+        "gt": _greater, "lt": lambda a, b: _greater(b, a),
         "ge": lambda a, b: a > b or not _differ(a, b), "le": lambda a, b: a < b or not _differ(a, b),
     },
-    {"+": lambda a, b: a + b, "-": lambda a, b: a - b},
-    {"*": lambda a, b: a * b, "/": lambda a, b: a / b, "mod": _mod},
+    {"+": _like(lambda a, b: a + b), "-": _like(lambda a, b: a - b)},
+    {"*": _like(lambda a, b: a * b), "/": _like(_quotient), "mod": _like(_mod)},
     {"**": _power},
 )  # fmt: skip

@@ -10,6 +10,7 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
+from typing import TypeVar
 
 from triaxis.golden.errors import InputError
 from triaxis.golden.input_file import Place, read_input
@@ -24,7 +25,11 @@ from triaxis.host.motion.expression import (
     Value,
     exact,
     number,
+    times,
+    truth,
 )
+
+Taken = TypeVar("Taken")
 
 # What follows a program could be run by a control: nothing of a file is passed over.
 AFTER_THE_END = (
@@ -56,6 +61,7 @@ _NOT_OF_REPEATS = "of a repeat, at which a control stops: write it as a while"
 _BREAK_KEPT = "would run again after a while with a break, where a control may go on: write it as a while"
 _CONTINUE_KEPT = "of a do, which a control may keep for the next loop: write it as a while, or with if"
 BOTH_PLACES = "is called before it is defined, and {} has one of its name, which a control takes: keep one"
+_OTHER_PLACE = "stands in {}, which is no program, and in {}, which a control takes: keep one"
 _OTHER_FLOW = ("call", "return", "break", "continue", "endsub", "endif", "endwhile", "endrepeat")
 
 
@@ -385,6 +391,11 @@ class Execution:
         if line.wrong is not None:
             raise line.wrong
         memory, words = self._memory, list[Word]()
+        try:
+            keys = [key(memory) for key, _ in line.settings]
+        except ValueError as error:
+            raise line.place.error("#", str(error)) from error
+        memory.being_set = frozenset(keys)
         for word in line.words:
             if isinstance(word, Word):
                 words.append(word)
@@ -395,17 +406,22 @@ class Execution:
             if not abs(word.value) <= LARGEST:
                 raise line.place.error(word.text, f"more than {LARGEST:g}: correct it")
         # Values on a line are those from before it.
-        given = [(key, self._value(line.place, "#", value)) for key, value in line.settings]
-        for key, value in given:
+        given = [self._value(line.place, "#", value) for _, value in line.settings]
+        memory.being_set = frozenset()
+        for key, value in zip(keys, given, strict=True):
             try:
-                memory.set(key(memory), value)
+                memory.set(key, value)
             except ValueError as error:
                 raise line.place.error("#", str(error)) from error
         return Block(line.place, tuple(words), line.optional, self._line)
 
     def _value(self, place: Place, text: str, value: Expression) -> Value:
+        return self._taken(place, text, value, lambda found: found)
+
+    def _taken(self, place: Place, text: str, value: Expression, take: Callable[[Value], Taken]) -> Taken:
+        """Return what is taken from a value; raise InputError at its place where there is none."""
         try:
-            return value(self._memory)
+            return take(value(self._memory))
         except ValueError as error:
             raise place.error(text, str(error)) from error
 
@@ -432,7 +448,7 @@ class Execution:
         elif does in ("break", "continue"):
             raise _LoopLeft(flow.place, self._name(flow), does)
         elif does in ("if", "elseif"):
-            if self._value(flow.place, "O", flow.values[0]):
+            if self._taken(flow.place, "O", flow.values[0], truth):
                 yield from self._run(flow.body)
             elif flow.end is not None and flow.end.does != "endif":
                 yield from self._run_flow(flow.end)
@@ -447,7 +463,7 @@ class Execution:
         if flow.does == "repeat":
             if id(flow) in self._repeating:
                 raise flow.place.error("O", f"repeats while it does already: {_COUNT_KEPT}")
-            left = round(self._value(flow.place, "O", flow.values[0]))
+            left = self._taken(flow.place, "O", flow.values[0], times)
             if left > _MOST_LINES:
                 raise flow.place.error("O", f"repeats more than {_MOST_LINES} times: correct it")
         first = flow.does == "do"
@@ -457,7 +473,7 @@ class Execution:
                 again = left >= 0
             else:
                 condition = flow.end.values if flow.does == "do" else flow.values
-                again = first or bool(self._value(flow.place, "O", condition[0]))
+                again = first or self._taken(flow.place, "O", condition[0], truth)
             if flow.does == "do" and not first:
                 if again and self._broken:
                     raise flow.end.place.error("O", _BREAK_KEPT)
@@ -499,10 +515,13 @@ class Execution:
         if name not in self._subroutines:
             if beside.exists():
                 self._parsed(beside)
-        elif (
-            name not in self._defined and self._subroutines[name].place.path == self._path and beside.exists()
-        ):
-            raise flow.place.error(f"O<{name}>", BOTH_PLACES.format(beside.name))
+        elif beside.exists():
+            held = self._subroutines[name].place.path
+            if held not in (self._path, beside):
+                why = _OTHER_PLACE.format(held.name, beside.name)
+                raise flow.place.error(f"O<{name}>", why)
+            if held == self._path and name not in self._defined:
+                raise flow.place.error(f"O<{name}>", BOTH_PLACES.format(beside.name))
         subroutine = self._subroutines.get(name)
         if subroutine is None or subroutine.end is None:
             raise flow.place.error(f"O<{name}>", f"no such subroutine here or in {name}.ngc: add it")

@@ -23,7 +23,7 @@ from triaxis.golden.errors import InputError
 from triaxis.golden.exact import Rational
 from triaxis.golden.input_file import Place
 from triaxis.host.motion.curves import Curve, arc, centre_by_radius
-from triaxis.host.motion.expression import Key, Value, exact
+from triaxis.host.motion.expression import Approximate, Key, Value, exact
 from triaxis.host.motion.gcode import POLAR, Block, Word
 from triaxis.host.motion.kinematics import ROTARY
 from triaxis.host.motion.machine import SYSTEMS, Machine
@@ -50,6 +50,10 @@ JOINED = Rational(5, 4)
 _MOST_HOLES = _MOST_TURNS = 10_000
 # Words that may stand beside the one that begins a NURBS.
 _BESIDE_NURBS = frozenset(("G17", "G18", "G19", "G20", "G21", "G61", "G90", "G91", "G93", "G94"))
+# What changes the zero, or what a position is from, on the line itself.
+_UNDER_POLAR = frozenset(("G53", "G92.1", "G92.2", "G92.3"))
+# LinuxCNC's G73 and G83 go up to so much above the last peck before they go on; it may be above R.
+_OVER_PECK = Rational(254, 1000)
 # Where controls differ.
 _WITHIN_CYCLES = (
     "within a series of cycles: end it by G80 before that, and give the whole cycle again after it"
@@ -136,7 +140,7 @@ class Interpreter:
         """Return the value of a parameter that the control gives; None where it gives none."""
         here, scale = self.programmed(), self.modal.units or _MILLIMETRE
         if isinstance(key, str):
-            named = {f"_{axis.lower()}": x / scale for axis, x in zip(_AXES, here, strict=True)}
+            named = {f"_{axis.lower()}": Approximate(x / scale) for axis, x in zip(_AXES, here, strict=True)}
             flags = {
                 "_metric": scale == 1, "_imperial": scale != 1, "_absolute": not self.modal.relative,
                 "_incremental": self.modal.relative,
@@ -147,9 +151,9 @@ class Interpreter:
                 return None if number is None else Fraction(number)
             return named.get(key, Fraction(flags[key]) if key in flags else None)
         if 5420 <= key < 5423:
-            return here[key - 5420] / scale
+            return Approximate(here[key - 5420] / scale)
         if 5423 <= key < 5426:
-            return self.turned[key - 5423]
+            return Approximate(self.turned[key - 5423])
         if 5426 <= key < 5429 or 5214 <= key < 5220:
             return Fraction(0)
         # The shift of G92 and what the tool table holds have the machine's unit, not the program's.
@@ -205,7 +209,7 @@ class Interpreter:
             self._compensate(place, word, words)
         for word in codes.get("work offset", ()):
             self._choose_system(place, word)
-        words |= self._polar(place, words, bool(on_line & (TAKING_AXES | {"G53"})))
+        words |= self._polar(place, words, bool(on_line & (TAKING_AXES | _UNDER_POLAR)))
         axes = {_AXES.index(letter): words[letter] for letter in _AXES if letter in words}
         turning = [words[letter] for letter in ROTARY if letter in words]
         if self.modal.motion in ("G5.2", "G5.3"):
@@ -711,6 +715,8 @@ class Interpreter:
             raise place.error(self.modal.motion or "", why)
         if "R" in words:
             self.cycle["R"] = self.length(place, words["R"])
+        if "Q" in words:
+            self.cycle["Q"] = self.length(place, words["Q"])
         if c in axes:
             self.cycle["bottom"] = self.length(place, axes[c])
         if self.cycle.keys() < {"R", "bottom"}:
@@ -733,6 +739,9 @@ class Interpreter:
             )
             raise place.error(self.modal.motion or "", why)
 
+        pecks = self.modal.motion in ("G73", "G83") and "Q" in self.cycle
+        highest = max(above, clear + _OVER_PECK - self.cycle["Q"]) if pecks else above
+
         def at(place_in_plane: Vector, height: Fraction) -> Vector:
             return vector(height if k == c else place_in_plane[k] for k in range(3))
 
@@ -748,6 +757,8 @@ class Interpreter:
             self._line(place, at(target, self.position[c] if higher else above), rapid=True)
             self._line(place, at(target, clear), rapid=True)
             self._line(place, at(target, bottom), rapid=False)
+            if highest != above:
+                self._line(place, at(target, highest), rapid=True)
             self._line(place, at(target, above), rapid=True)
 
     def _line(

@@ -313,6 +313,73 @@ def test_a_subroutine_beside_the_program_is_found(read, tmp_path):
         read(f"o<drill> call [7]\nM2\n{held}")
 
 
+def test_a_subroutine_in_a_called_file_is_not_taken_where_a_file_has_its_name(read, tmp_path):
+    helper = "o<helper> sub\nG0 X2\no<helper> endsub\n"
+    (tmp_path / "drill.ngc").write_text(f"{helper}o<drill> sub\no<helper> call\no<drill> endsub\nM2")
+    assert ends(read("o<drill> call")) == [(2, 0, 0)]
+    (tmp_path / "helper.ngc").write_text(helper.replace("X2", "X9"))
+    with pytest.raises(InputError, match=r"word 'O<helper>': stands in drill.ngc.* and in helper.ngc"):
+        read("o<drill> call")
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        # Where the machine is: a control adds up doubles.
+        "G0 Z5\nG91\nO1 while [#<_z> GT 4]\nG1 F9 Z-.1\nO1 endwhile",
+        "G92 X.1\nG0 X.3\nG92.1\nO1 if [#5420 LT .2]\nG0 X9\nO1 endif",
+        "G0 Z205\nX[FIX[#<_z>]]", "G0 X4\nY[#5420 MOD 2]", "G0 X4\nO1 if [#5420 AND 1]\nO1 endif\nG91 X-4\n"
+        "O2 if [#5420]\nO2 endif", "G0 X2.5\nO1 repeat [#5420]\nO1 endrepeat",
+        "G0 X4\n#1=-#5420\nO1 if [#1 EQ -4]\nO1 endif", "G0 X1\nY[1/[#5420-1]]",
+        # Of libraries.
+        "G0 X[FIX[10*SIN[30]]]", "G0 X[FIX[TAN[45]]]", "G0 X[FUP[ASIN[.5]]]", "G0 X[SIN[30] LT .5]",
+        "G0 X[COS[90] LT 0]", "G0 X[ATAN[SIN[180]]/[COS[180]]]", "G0 X[ROUND[10**.5*0+EXP[1]-EXP[1]+.5]]",
+        "G0 X[2 XOR SIN[180]]", "G0 X[ROUND[3000000000]/1000000000]",
+    ],
+)  # fmt: skip
+def test_nothing_hangs_on_digits_that_controls_do_not_share(read, text):
+    with pytest.raises(InputError, match=r"line \d+: word .*(controls|32 bits)"):
+        read(text)
+
+
+@pytest.mark.parametrize(
+    ("text", "end"),
+    [
+        ("G0 Z5\nG91\nO1 while [#<_z> GT 4.05]\nG1 F9 Z-.1\nO1 endwhile", (0, 0, 4)),
+        ("G0 X4.2\nX[FIX[#5420]+[2**3 GE 8]+[SIN[0] EQ 0]]", (5 + 1, 0, 0)),
+        # The sign of a zero is that of the angle.
+        ("#1=0\nG0 X[ATAN[-#1]/[-1]/2]", (-90, 0, 0)), ("#1=0\nG0 X[ATAN[#1]/[-1]/2]", (90, 0, 0)),
+        ("#2=0\n#1=-5\nG0 Y[10*SIN[ATAN[-#2]/[#1]/2]]", (0, -10, 0)),
+        # What is set is found before anything of its line is.
+        ("#1=2\n#2=8\n#3=8\n#1=3 #[#1]=1\nG0 Z#2", (0, 0, 1)), ("#1=2\n#1=3 ##1=1\nG0 Z#2", (0, 0, 1)),
+    ],
+)  # fmt: skip
+def test_what_is_exact_in_double_precision_is_taken(read, text, end):
+    assert np.allclose(np.array(ends(read(text))[-1], np.float64), end, rtol=0, atol=1e-8)
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("G0 X10 Y0\nG92 X0 Y5\nG92.1 G1 F9 @7", "polar positions"),
+        ("G0 X10 Y0\nG92 X0 Y5\nG92.2 G0 ^90", "polar positions"),
+        ("#<aa>=5 G0 X[EXISTS[#<aa>]]", "is set on the very line"),
+        ("#<aa>=[EXISTS[#<aa>]]", "is set on the very line"),
+    ],
+)
+def test_what_depends_on_the_order_within_a_line_is_refused(read, text, said):
+    with pytest.raises(InputError, match=said):
+        read(text)
+
+
+@pytest.mark.parametrize(("cycle", "highest"), [("G83", 0.204), ("G73", 0.204), ("G81", 0), ("G82", 0)])
+def test_pecks_go_above_where_they_begin(read, cycle, highest):
+    """LinuxCNC's goes up to 0.254 mm above the last one."""
+    peck = "Q.05" if cycle in ("G83", "G73") else ""
+    found = ends(read(f"F9 G0 Z0\nG99 {cycle} X-5 Z-.2 R0 {peck}\nX5"))
+    assert max(float(z) for _, _, z in found) == pytest.approx(highest)
+
+
 def test_every_letter_has_a_word_that_takes_it(read):
     assert set(TAKERS) <= set("DEHIJKLPQR")
 
