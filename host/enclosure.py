@@ -14,7 +14,9 @@ image of the boundary, so what was closed, or oriented, still is. Gaps wider tha
 
 Only closed shells have an inside. What is open, with gaps that nobody can tell from missing facets, is taken
 as one body that may fill its box: where a box of the other mesh's shells lies within that one, the answer is
-undecided.
+undecided. And what is missing is taken to lie in the box of the open edges, the *rim*: a part that overlaps
+that, as a drill whose shank looks out, may go through it. Edges in one line are a crack: nothing is in it
+that is not within 1 LSB of a facet, which no margin is below.
 
 Numbers that say "outside" are believed where they must be right. A shell from which a ray leaves without
 meeting it holds nothing there, whatever its facets tell of their sides. Where one whose own number is 0, or
@@ -26,7 +28,7 @@ everywhere. A ray from within passes an odd number of *sheets*, where crossings 
 of all else, and where two such solids overlap an even one. Where it passes any in one of six directions the
 answer is undecided, as sheets may have gaps. Walls between solids that touch are no sheets: there the ray is
 inside before and after. So it is within the box of a *double* surface: facets that are written twice, turned
-alike or not, and have a rim, where an edge belongs to nothing else.
+alike or not, and have a rim, where an edge belongs to nothing else; and in the box of such rims.
 
 A shell that is turned inside out is a cavity where it lies within another. Where the two cross it is none,
 but a solid that was mirrored, and in the overlap the winding number is 0: undecided, too. So it is where the
@@ -65,7 +67,8 @@ class Shells:
 
     ``number`` (N,): the shell of each facet. ``boxes`` (S, 2, 3): low and high corner, in LSB. ``facets``:
     how many each has. ``open_edges`` (S,): edges that belong to an odd number of facets. ``oriented`` (S,):
-    closed ones only. ``doubles`` (D, 2, 3): boxes of double surfaces.
+    closed ones only. ``doubles`` (D, 2, 3): boxes of double surfaces. ``rim``, ``doubles_rim`` (0 or 1, 2,
+    3): the box of all open edges, and of the rims of double surfaces, but for cracks.
     """
 
     number: Integers
@@ -75,6 +78,8 @@ class Shells:
     open_edges: Integers
     oriented: Mask
     doubles: Integers
+    rim: Integers
+    doubles_rim: Integers
 
     @property
     def closed(self) -> Mask:
@@ -91,7 +96,8 @@ class Solid:
 
     def moved(self, translation: Integers) -> "Solid":
         """Return it elsewhere."""
-        there = {"boxes": self.shells.boxes + translation, "doubles": self.shells.doubles + translation}
+        boxes = ("boxes", "doubles", "rim", "doubles_rim")
+        there = {name: getattr(self.shells, name) + translation for name in boxes}
         return Solid(self.facets + translation, replace(self.shells, **there))
 
 
@@ -110,9 +116,46 @@ def shells_of(facets: Integers) -> Shells:
     order = np.argsort(first)
     number = np.argsort(order)[number]
     boxes = _boxes(facets, number, len(first))
-    unmatched, turned = _boundary(corners, number, len(first))
+    unmatched, turned, rim = _boundary(corners, number, len(first))
     oriented = (unmatched == 0) & (turned == 0)
-    return Shells(number, first[order], count[order], boxes, unmatched, oriented, _doubles(corners, facets))
+    points = np.empty((int(corners.max()) + 1, 3), np.int64)
+    points[corners.reshape(-1)] = facets.reshape(-1, 3)
+    doubles, doubles_rim = _doubles(corners, facets)
+    return Shells(
+        number, first[order], count[order], boxes, unmatched, oriented, doubles, _rim_box(rim, points),
+        _rim_box(doubles_rim, points),
+    )  # fmt: skip
+
+
+def _rim_box(edges: Integers, points: Integers) -> Integers:
+    """Return the box (1, 2, 3) of edges (E, 2) between numbered points, (0, 2, 3) where all are cracks."""
+    if not len(edges):
+        return np.empty((0, 2, 3), np.int64)
+    number = _connected(edges)
+    order = np.argsort(number, kind="stable")
+    joined = np.split(points[edges[order]], np.flatnonzero(np.diff(number[order])) + 1)
+    wide = [some.reshape(-1, 3) for some in joined if not _is_crack(some)]
+    if not wide:
+        return np.empty((0, 2, 3), np.int64)
+    return np.stack([np.concatenate(wide).min(0), np.concatenate(wide).max(0)])[None]
+
+
+def _is_crack(edges: Integers) -> bool:
+    """Return whether edges (E, 2, 3) that hang together have all that is between them within 1 LSB of one.
+
+    So it is where no end is further than that from a single edge, the longest; where there is none from end
+    to end, where none is further than half of it from the line between the outermost ends.
+    """
+    points = edges.reshape(-1, 3)
+    axis = int(np.ptp(points, axis=0).argmax())
+    first, last = int(points[:, axis].argmin()), int(points[:, axis].argmax())
+    away = points.astype(object) - points[first]
+    whole = away[last]
+    single = (np.sort(edges[..., axis], 1) == points[[first, last], axis]).all(1)
+    exact = [{tuple(one), tuple(other)} for one, other in edges[single].tolist()]
+    allowed = 2 if {tuple(points[first].tolist()), tuple(points[last].tolist())} in exact else 1
+    off = 2 * np.abs(away * whole[axis] - away[:, [axis]] * whole)
+    return bool((off <= allowed * whole[axis]).all())
 
 
 def _boxes(facets: Integers, number: Integers, count: int) -> Integers:
@@ -123,21 +166,25 @@ def _boxes(facets: Integers, number: Integers, count: int) -> Integers:
     return boxes
 
 
-def _doubles(corners: Integers, facets: Integers) -> Integers:
-    """Return the boxes (D, 2, 3) of double surfaces: of those that hang together and have a rim."""
+def _doubles(corners: Integers, facets: Integers) -> tuple[Integers, Integers]:
+    """Return the boxes (D, 2, 3) of double surfaces: of those that hang together and have a rim; and the
+    edges (E, 2) of these.
+    """
     triples = np.sort(corners, 1)
     real = np.flatnonzero((np.diff(triples, axis=1) > 0).all(1))
     some, first, count = np.unique(triples[real], axis=0, return_index=True, return_counts=True)
     twice = np.flatnonzero(count % 2 == 0)
     if not len(twice):
-        return np.empty((0, 2, 3), np.int64)
-    _, edge, uses = np.unique(
+        return np.empty((0, 2, 3), np.int64), np.empty((0, 2), np.int64)
+    edges, edge, uses = np.unique(
         some[:, [[0, 1], [1, 2], [0, 2]]].reshape(-1, 2), axis=0, return_inverse=True, return_counts=True
     )
-    rim = (uses[edge.reshape(-1, 3)] == 1).any(1)[twice]
+    single = (uses[edge.reshape(-1, 3)] == 1)[twice]
+    rim = single.any(1)
     _, number = np.unique(_connected(some[twice]), return_inverse=True)
     count = int(number.max()) + 1
-    return _boxes(facets[real[first[twice]]], number, count)[np.bincount(number[rim], minlength=count) > 0]
+    boxes = _boxes(facets[real[first[twice]]], number, count)[np.bincount(number[rim], minlength=count) > 0]
+    return boxes, edges[edge.reshape(-1, 3)[twice][single]]
 
 
 def _numbered(facets: Integers) -> Integers:
@@ -164,21 +211,25 @@ def _connected(corners: Integers) -> Integers:
             root = root[root]
 
 
-def _boundary(corners: Integers, number: Integers, shells: int) -> tuple[Integers, Integers]:
-    """Return how many edges of each shell have an odd number of facets, and how many run unequally: (S,)."""
+def _boundary(corners: Integers, number: Integers, shells: int) -> tuple[Integers, Integers, Integers]:
+    """Return how many edges of each shell have an odd number of facets, and how many run unequally: (S,); and
+    the first ones, (E, 2).
+    """
     start, end = corners.reshape(-1), np.roll(corners, -1, 1).reshape(-1)
     real = start != end
     start, end, shell = start[real], end[real], np.repeat(number, 3)[real]
     if not len(start):
-        return np.zeros(shells, np.int64), np.zeros(shells, np.int64)
+        return np.zeros(shells, np.int64), np.zeros(shells, np.int64), np.empty((0, 2), np.int64)
     key = np.minimum(start, end) * (int(corners.max()) + 1) + np.maximum(start, end)
     order = np.argsort(key)
     first = np.flatnonzero(np.diff(key[order], prepend=-1))
     uses = np.diff(first, append=len(key))
     balance = np.add.reduceat(np.where(start < end, 1, -1)[order], first)
-    shell = shell[order][first]
-    return np.bincount(shell[uses % 2 == 1], minlength=shells), np.bincount(
-        shell[balance != 0], minlength=shells
+    shell, odd = shell[order][first], uses % 2 == 1
+    return (
+        np.bincount(shell[odd], minlength=shells),
+        np.bincount(shell[balance != 0], minlength=shells),
+        np.stack([start, end], 1)[order][first][odd],
     )
 
 
@@ -474,7 +525,8 @@ def _parts(mesh: str, inner: Solid, outer: Solid, moves: Integers) -> list[Part]
     possible = np.flatnonzero(_fitting(shells.boxes, hulls.boxes[hulls.closed], _STILL))
     found = inside(facets[shells.first[possible], 0], outer.facets, hulls)
     held[possible], mixed[possible], mirrored[possible] = found
-    doubted = _fitting(shells.boxes, hulls.boxes[~hulls.closed], moves) & ~held
+    doubted = _fitting(shells.boxes, hulls.boxes[~hulls.closed], moves)
+    doubted = (doubted | _overlapping(shells.boxes, hulls.rim, moves)) & ~held
     opened = f"not closed: {int(hulls.open_edges.sum())} edges have an odd number of facets"
     turned = "closed, but neighbouring facets are not turned the same way"
     both = "closed, but written with both sides of its surface, so that nothing tells its inside"
@@ -487,6 +539,7 @@ def _parts(mesh: str, inner: Solid, outer: Solid, moves: Integers) -> list[Part]
     least = np.diff(shells.boxes, axis=1).min(0)
     for one in hulls.doubles[(np.diff(hulls.doubles, axis=1) >= least).all((1, 2))]:
         double |= _fitting(shells.boxes, one[None], moves) & ~held
+    double |= _overlapping(shells.boxes, hulls.doubles_rim, moves) & ~held
     whys = (
         (held, None), (doubted, opened), (mirrored, crossed), (double, both), (mixed, turned), (shut, around),
     )  # fmt: skip
@@ -511,7 +564,20 @@ def _fitting(boxes: Integers, others: Integers, moves: Integers) -> Mask:
     # A box fits where its translation is itself within a box.
     least, most = others[:, 0].min(0) - boxes[:, 0], others[:, 1].max(0) - boxes[:, 1]
     small = np.flatnonzero((least <= most).all(1))
-    room = np.stack([least, most, most], 1)[small]
-    for i, _ in candidates(room, moves[:, [0, 1, 1]], 0):
-        found[small[i]] = True
+    found[small] = _reached(least[small], most[small], moves)
+    return found
+
+
+def _overlapping(boxes: Integers, rim: Integers, moves: Integers) -> Mask:
+    """Return which boxes (S, 2, 3) overlap, on one of the moves (K, 2, 3), that of a rim, if there is one."""
+    if not len(rim):
+        return np.zeros(len(boxes), np.bool_)
+    return _reached(rim[0, 0] - boxes[:, 1], rim[0, 1] - boxes[:, 0], moves)
+
+
+def _reached(least: Integers, most: Integers, moves: Integers) -> Mask:
+    """Return which translations, of S between least and most (S, 3), one of the moves (K, 2, 3) may have."""
+    found = np.zeros(len(least), np.bool_)
+    for i, _ in candidates(np.stack([least, most, most], 1), moves[:, [0, 1, 1]], 0):
+        found[i] = True
     return found

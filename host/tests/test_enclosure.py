@@ -74,6 +74,52 @@ CAGE = cells(np.ones((3, 3, 3), np.bool_))
 CAGE = CAGE[(np.abs(CAGE.sum(1) - 45) > 20).sum(1) > 1]
 
 
+# A drill that looks out of the upper side by far, over the facet of that side that BORED lacks.
+DRILL = box((70, 20, 50), (80, 30, 200))
+BORED = STOCK[~((STOCK[..., 2] == 100).all(1) & (STOCK[:, :, 0].sum(1) > STOCK[:, :, 1].sum(1)))]
+# Without what is between its upper and its lower side.
+BANDED = np.concatenate([STOCK[(STOCK[..., 2] == high).all(1)] for high in (0, 100)])
+
+
+def cracked(off):
+    """Return STOCK with a vertex more on an edge of its upper side, on one side of that alone, and off it."""
+    facet = next(k for k, one in enumerate(STOCK) if (one[:, 2] == 100).all())
+    a, b, c = STOCK[facet]
+    middle = (a + b) // 2 + off
+    return np.concatenate([np.delete(STOCK, facet, 0), [[a, middle, c], [middle, b, c]]])
+
+
+@pytest.mark.parametrize(
+    "outer", [BORED, np.concatenate([BORED, BORED]), np.concatenate([BORED, BORED[:, ::-1]])]
+)
+def test_a_part_that_may_go_through_what_is_missing_is_undecided(outer):
+    assert len(BORED) == 11
+    assert enclosure(solid_of(DRILL), solid_of(STOCK)).state == State.OUTSIDE  # but for its near facets
+    for one, other, mesh in ((DRILL, outer, "a"), (outer, DRILL, "b")):
+        found = enclosure(solid_of(one), solid_of(other))
+        assert found.state == State.UNDECIDED and {part.mesh for part in found.parts} == {mesh}
+    # Above it, and beside it.
+    for away in ((0, 0, 51), (31, 0, 0), (0, 0, -151), (-81, 0, 0)):
+        beside = solid_of(DRILL + np.array(away))
+        assert enclosure(beside, solid_of(outer)).state == State.OUTSIDE
+    # On its way down to it.
+    high, down = solid_of(DRILL + np.array([0, 0, 60])), np.array([[[0, 0, -60], [0, 0, 0]]])
+    assert enclosure(high, solid_of(outer), down).state == State.UNDECIDED
+    assert enclosure(high, solid_of(outer), down // 8).state == State.OUTSIDE
+
+
+def test_a_missing_band_is_between_its_rims():
+    assert enclosure(solid_of(box((40, 40, 40), (200, 60, 60))), solid_of(BANDED)).state == State.UNDECIDED
+
+
+def test_in_a_crack_nothing_is_missing():
+    spike = solid_of(box((40, -200, 99), (60, 200, 400)))
+    for off, state in ((0, State.OUTSIDE), ((0, 1, 0), State.OUTSIDE), ((0, 3, 0), State.UNDECIDED)):
+        found = solid_of(cracked(np.array(off)))
+        assert found.shells.open_edges.sum() == 3
+        assert enclosure(spike, found).state == state, off
+
+
 @pytest.mark.parametrize(
     ("a", "b", "state", "mesh"),
     [
