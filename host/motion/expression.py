@@ -344,7 +344,7 @@ def _round(value: float) -> float:
 
 
 _FUNCTIONS: dict[str, Callable[[float], float]] = {
-    "abs": _like(abs), "sqrt": _like(math.sqrt),
+    "abs": _like(math.fabs), "sqrt": _like(math.sqrt),
     "exp": _library(math.exp, 0), "ln": _library(math.log, 1),
     "sin": _library(lambda x: math.sin(math.radians(x)), 0),
     "cos": _library(lambda x: math.cos(math.radians(x)), 0),
