@@ -28,7 +28,8 @@ everywhere. A ray from within passes an odd number of *sheets*, where crossings 
 of all else, and where two such solids overlap an even one. Where it passes any in one of six directions the
 answer is undecided, as sheets may have gaps. Walls between solids that touch are no sheets: there the ray is
 inside before and after. So it is within the box of a *double* surface: facets that are written twice, turned
-alike or not, and have a rim, where an edge belongs to nothing else; and in the box of such rims.
+alike or not, and have a rim, where an edge belongs to an odd number of facets, each counted once; and in the
+box of such rims.
 
 A shell that is turned inside out is a cavity where it lies within another. Where the two cross it is none,
 but a solid that was mirrored, and in the overlap the winding number is 0: undecided, too. So it is where the
@@ -121,6 +122,9 @@ def shells_of(facets: Integers) -> Shells:
     points = np.empty((int(corners.max()) + 1, 3), np.int64)
     points[corners.reshape(-1)] = facets.reshape(-1, 3)
     doubles, doubles_rim = _doubles(corners, facets)
+    if len(rim) and len(doubles_rim):
+        # What is missing may lie between the two.
+        rim = doubles_rim = np.concatenate([rim, doubles_rim])
     return Shells(
         number, first[order], count[order], boxes, unmatched, oriented, doubles, _rim_box(rim, points),
         _rim_box(doubles_rim, points),
@@ -179,7 +183,7 @@ def _doubles(corners: Integers, facets: Integers) -> tuple[Integers, Integers]:
     edges, edge, uses = np.unique(
         some[:, [[0, 1], [1, 2], [0, 2]]].reshape(-1, 2), axis=0, return_inverse=True, return_counts=True
     )
-    single = (uses[edge.reshape(-1, 3)] == 1)[twice]
+    single = (uses[edge.reshape(-1, 3)] % 2 == 1)[twice]
     rim = single.any(1)
     _, number = np.unique(_connected(some[twice]), return_inverse=True)
     count = int(number.max()) + 1

@@ -29,6 +29,8 @@ _OPERATOR = re.compile(r"\*\*|[-+*/]|(?:mod|and|xor|or|eq|ne|gt|ge|lt|le)", re.I
 _WORD = re.compile(r"[a-z]+", re.IGNORECASE)
 # Numbers nearer than this are equal to some controls, and to some versions of one, and not to others.
 _EQUAL = 1e-4
+# Positions and functions differ by less than 10^-10: made so many times as large, by less than `_EQUAL`.
+_SCALED = 1e6
 # Of a number that moves anything: beyond it no machine goes, and double precision is coarse.
 LARGEST = 10**9
 # Of a parameter that only what ran before could tell.
@@ -258,9 +260,22 @@ def _like(operation: Callable[..., float]) -> Callable[..., float]:
 
     def apply(*values: float) -> float:
         result = operation(*values)
-        return result if _known(*values) else Approximate(result)
+        return result if _known(*values) else _approximate(result)
 
     return apply
+
+
+def _approximate(result: float) -> Approximate:
+    if abs(result) > LARGEST:
+        raise InexactError(f"{result!r} is made of digits that controls do not share: go from a number")
+    return Approximate(result)
+
+
+def _product(a: float, b: float) -> float:
+    for one, other in ((a, b), (b, a)):
+        if not _known(one) and abs(other) > _SCALED:
+            raise InexactError(f"{other!r} times {one!r} is made of digits that controls do not share")
+    return a * b
 
 
 def _library(function: Callable[[float], float], exact_at: float) -> Callable[[float], float]:
@@ -268,7 +283,7 @@ def _library(function: Callable[[float], float], exact_at: float) -> Callable[[f
 
     def apply(value: float) -> float:
         result = function(value)
-        return result if _known(value) and value == exact_at else Approximate(result)
+        return result if _known(value) and value == exact_at else _approximate(result)
 
     return apply
 
@@ -327,12 +342,15 @@ def _power(a: float, b: float) -> float:
 def _quotient(a: float, b: float) -> float:
     if not _known(b) and abs(b) < _EQUAL:
         raise InexactError(f"{b!r} divides, and has another sign to some controls: go from a number")
+    if not _known(a) and b and abs(b) < 1 / _SCALED:
+        raise InexactError(f"{a!r} by {b!r} is made of digits that controls do not share: go from a number")
     return a / b
 
 
 def _atan(a: float, b: float) -> float:
-    if not _known(a) and abs(a) < _EQUAL and b < _EQUAL:
-        raise InexactError(f"{a!r} above {b!r} has the angle 180 to some controls, -180 to others")
+    sign_of_a, side_of_b = not _known(a) and b < _EQUAL, not _known(b) and abs(b) < _EQUAL
+    if abs(a) < _EQUAL and (sign_of_a or side_of_b):
+        raise InexactError(f"{a!r} above {b!r} has another angle to other controls")
     result = math.degrees(math.atan2(a, b))
     return result if _known(a, b) and a == 0 else Approximate(result)
 
@@ -340,18 +358,25 @@ def _atan(a: float, b: float) -> float:
 def _round(value: float) -> float:
     if abs(value) >= 1 << 31:
         raise InexactError(f"{value!r} is rounded to a number of 32 bits by some controls: make it smaller")
-    return math.floor(abs(value) + 0.5) * math.copysign(1, value)
+    # No zero has a sign that was a whole number once.
+    return math.floor(abs(value) + 0.5) * math.copysign(1, value) + 0.0
+
+
+def _signed(function: Callable[[float], int]) -> Callable[[float], float]:
+    """Return a function to whole numbers whose zeros keep the sign of what they are made of."""
+    return lambda value: float(function(value)) or math.copysign(0.0, value)
 
 
 _FUNCTIONS: dict[str, Callable[[float], float]] = {
-    "abs": _like(math.fabs), "sqrt": _like(math.sqrt),
+    "abs": _like(lambda x: -x if x < 0 else x), "sqrt": _like(math.sqrt),
     "exp": _library(math.exp, 0), "ln": _library(math.log, 1),
     "sin": _library(lambda x: math.sin(math.radians(x)), 0),
     "cos": _library(lambda x: math.cos(math.radians(x)), 0),
     "tan": _library(lambda x: math.tan(math.radians(x)), 0),
     "asin": _library(lambda x: math.degrees(math.asin(x)), 0),
     "acos": _library(lambda x: math.degrees(math.acos(x)), 1),
-    "fix": _rounding(math.floor), "fup": _rounding(math.ceil), "round": _rounding(_round, 0.5),
+    "fix": _rounding(_signed(math.floor)), "fup": _rounding(_signed(math.ceil)),
+    "round": _rounding(_round, 0.5),
 }  # fmt: skip
 # From those that bind least to those that bind most.
 _LEVELS: tuple[dict[str, Callable[[float, float], float]], ...] = (
@@ -362,9 +387,10 @@ _LEVELS: tuple[dict[str, Callable[[float, float], float]], ...] = (
     {
         "eq": lambda a, b: not _differ(a, b), "ne": _differ,
         "gt": _greater, "lt": lambda a, b: _greater(b, a),
-        "ge": lambda a, b: a > b or not _differ(a, b), "le": lambda a, b: a < b or not _differ(a, b),
+        "ge": lambda a, b: _greater(a, b) or not _differ(a, b),
+        "le": lambda a, b: _greater(b, a) or not _differ(a, b),
     },
     {"+": _like(lambda a, b: a + b), "-": _like(lambda a, b: a - b)},
-    {"*": _like(lambda a, b: a * b), "/": _like(_quotient), "mod": _like(_mod)},
+    {"*": _like(_product), "/": _like(_quotient), "mod": _like(_mod)},
     {"**": _power},
 )  # fmt: skip

@@ -108,6 +108,32 @@ def test_a_part_that_may_go_through_what_is_missing_is_undecided(outer):
     assert enclosure(high, solid_of(outer), down // 8).state == State.OUTSIDE
 
 
+LOW, HIGH = (BANDED[(BANDED[..., 2] == high).all(1)] for high in (0, 100))
+# A tetrahedron without a facet, at whose edges others stand.
+APEX = np.array([[0, 0, 0], [100, 0, 0], [0, 100, 0], [0, 0, 100]])
+OTHERS = [
+    np.array([APEX[i], APEX[j], [out] * 3, [out + 20, out, out]])
+    for i, j, out in ((1, 2, 150), (2, 3, 160), (1, 3, 170))
+]
+
+
+def faces(corners, but=None):
+    """Return the facets of a tetrahedron, but that across one of its corners."""
+    return np.array([np.delete(corners, k, 0) for k in range(4) if k != but])
+
+
+@pytest.mark.parametrize(
+    "copies", [lambda one: np.concatenate([one, one]), lambda one: np.concatenate([one, one[:, ::-1]])]
+)
+def test_rims_count_facets_once_and_those_of_all_surfaces_together(copies):
+    banded = solid_of(np.concatenate([LOW, copies(HIGH)]))
+    for tool in (box((40, 40, 40), (200, 60, 60)), box(40, 60)):
+        assert enclosure(solid_of(tool), banded).state == State.UNDECIDED
+    held = np.concatenate([faces(APEX, but=0), *(faces(one) for one in OTHERS)])
+    drill = solid_of(box((20, 20, 20), (25, 25, 400)))
+    assert enclosure(drill, solid_of(copies(held))).state == State.UNDECIDED
+
+
 def test_a_missing_band_is_between_its_rims():
     assert enclosure(solid_of(box((40, 40, 40), (200, 60, 60))), solid_of(BANDED)).state == State.UNDECIDED
 

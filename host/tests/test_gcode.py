@@ -334,6 +334,9 @@ def test_a_subroutine_in_a_called_file_is_not_taken_where_a_file_has_its_name(re
         # Of libraries.
         "G0 X[FIX[10*SIN[30]]]", "G0 X[FIX[TAN[45]]]", "G0 X[FUP[ASIN[.5]]]", "G0 X[SIN[30] LT .5]",
         "G0 X[COS[90] LT 0]", "G0 X[ATAN[SIN[180]]/[COS[180]]]", "G0 X[ROUND[10**.5*0+EXP[1]-EXP[1]+.5]]",
+        "G91\nG1 F9 X.3\nX-.1\nX-.1\nX-.1\nG90\nY[ATAN[0]/[#5420]/180*50]", "G0 X[ATAN[0]/[COS[90]]/10]",
+        "G0 X.3\nY[[#5420-.3]*1000000000000000]", "G0 X[TAN[270]/1000000000000000]", "G0 X[2**.5*2**.5 GE 2]",
+        "G0 X[[SIN[30]-.5]/.00000000000000001]", "G0 X[2**.5*2**.5 LE 2]",
         "G0 X[2 XOR SIN[180]]", "G0 X[ROUND[3000000000]/1000000000]",
     ],
 )  # fmt: skip
@@ -350,6 +353,9 @@ def test_nothing_hangs_on_digits_that_controls_do_not_share(read, text):
         # The sign of a zero is that of the angle.
         ("#1=0\nG0 X[ATAN[-#1]/[-1]/2]", (-90, 0, 0)), ("#1=0\nG0 X[ATAN[#1]/[-1]/2]", (90, 0, 0)),
         ("#2=0\n#1=-5\nG0 Y[10*SIN[ATAN[-#2]/[#1]/2]]", (0, -10, 0)),
+        ("G0 X[ATAN[FUP[-.5]]/[-1]/10]", (-18, 0, 0)), ("#1=0\nG0 X[ATAN[FIX[-#1]]/[-1]/10]", (-18, 0, 0)),
+        ("G0 X[ATAN[ROUND[-.2]]/[-1]/10]", (18, 0, 0)), ("G0 X[ATAN[ABS[-0]]/[-1]/10]", (-18, 0, 0)),
+        ("G0 X[ATAN[0]/[SIN[-30]]/10]", (18, 0, 0)), ("G0 X4\nX[#5420*1000/25.4]", (4000 / 25.4, 0, 0)),
         # What is set is found before anything of its line is.
         ("#1=2\n#2=8\n#3=8\n#1=3 #[#1]=1\nG0 Z#2", (0, 0, 1)), ("#1=2\n#1=3 ##1=1\nG0 Z#2", (0, 0, 1)),
     ],
