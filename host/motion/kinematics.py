@@ -215,7 +215,8 @@ class Piece:
         )  # fmt: skip
         position = vector((p - b) / f if f else c for f, p, b, c in axes)
         part = start + (end - start) * near.part_of_move
-        return replace(near, position=position, angles=_halfway(move), part_of_move=part)
+        angles = vector(a + (b - a) * near.part_of_move for a, b in zip(*move.turns, strict=True))
+        return replace(near, position=position, angles=angles, part_of_move=part)
 
 
 def _halfway(move: Move) -> Vector:

@@ -83,6 +83,12 @@ class Move:
         return vector(map(min, ends)), vector(map(max, ends))
 
 
+# Of `Program.changes`.
+LATE_CHANGE = (
+    "the tool that is changed to after the last move is not checked where it is then: add a move there"
+)
+
+
 @dataclass(frozen=True)
 class Program:
     """The moves of a file, and what was assumed in reading it, a line each.

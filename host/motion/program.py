@@ -11,7 +11,7 @@ from triaxis.host.motion.expression import Memory
 from triaxis.host.motion.gcode import LINE_END, Execution
 from triaxis.host.motion.interpreter import ORIGIN, Interpreter, Modal
 from triaxis.host.motion.machine import Machine
-from triaxis.host.motion.moves import Program, assumed_start, assumed_state
+from triaxis.host.motion.moves import LATE_CHANGE, Program, assumed_start, assumed_state
 from triaxis.host.quantise import Vector, vector
 
 # Lines after which progress is told.
@@ -58,6 +58,8 @@ def read_program(
         state.notes["state"] = state_note
     state.notes |= machine.assumed
     changes = (state.loaded or 0, state.changes) != (state.moves[-1].tool, state.moves[-1].changes)
+    if changes:
+        state.notes["late change"] = LATE_CHANGE
     return Program(path, tuple(state.moves), tuple(state.notes.values()), changes)
 
 

@@ -26,7 +26,7 @@ from triaxis.host.motion.expression import number
 from triaxis.host.motion.interpreter import JOINED, PALLET
 from triaxis.host.motion.kinematics import ROTARY
 from triaxis.host.motion.machine import SYSTEMS, Machine
-from triaxis.host.motion.moves import Move, Program, assumed_start, assumed_state
+from triaxis.host.motion.moves import LATE_CHANGE, Move, Program, assumed_start, assumed_state
 from triaxis.host.motion.program import TOLD_AFTER, read_program
 from triaxis.host.motion.rs274_text import lines_of, prepared, unset
 from triaxis.host.quantise import NOWHERE, Vector, added, vector
@@ -419,6 +419,8 @@ def read_by_rs274(
         told = "without G61 or G64 the path is taken for exactly followed"
         state.notes.setdefault("path mode", f"line {line}: {told}")
     changes = (state.loaded or 0, state.changes) != (state.moves[-1].tool, state.moves[-1].changes)
+    if changes:
+        state.notes["late change"] = LATE_CHANGE
     return Program(path, tuple(state.moves), tuple(filter(None, state.notes.values())), changes)
 
 

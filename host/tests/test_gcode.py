@@ -644,7 +644,8 @@ def test_a_machine_file_says_what_a_program_does_not(read, tmp_path):
     with pytest.raises(InputError, match="changes the tool, and so its shape"):
         read("G0 X1\nM6\nG0 X2")
     for text, changes in (("T2 M6", True), ("T2 M6\nT1 M6", True), ("T1 M6", True), ("", False)):
-        assert read(f"T1 M6\nG0 X1\n{text}", machine=machine).changes == changes
+        found = read(f"T1 M6\nG0 X1\n{text}", machine=machine)
+        assert found.changes == changes == any("after the last move" in note for note in found.notes)
         # Whatever tool is there then.
         assert len(read(f"T1 M6\nG0 X1\n{text}\nX2", machine=machine).stretches) == 1 + changes
     for text, tells in (("M0", False), ("M60", True)):

@@ -1,5 +1,6 @@
 """Machines of objects: what carries and moves what, and what comes near what while a program runs."""
 
+import re
 import shutil
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
@@ -482,6 +483,18 @@ def test_both_readers_turn_alike(tmp_path):
 def test_what_does_not_turn_is_refused(checked, program, why):
     status, said, _ = checked(MILL.replace("[offsets]", "[homes]\nG28 = [0, 0, 0]\n[offsets]"), program)
     assert status == 2 and why in said and "p.nc: line " in said, said
+
+
+def test_angles_are_those_of_the_place_that_is_told(checked, tmp_path):
+    """Where neither of the two objects turns, too."""
+    scenes.write_stl(tmp_path / "slide.stl", scenes.box((-10, -5, -20), (10, 5, -12)))
+    slide, table = entry("slide", "saddle", "-X"), entry("table", "slide", "C", [0.0, 0.0, 0.0], "table.stl")
+    machine = MILL.replace(slide, entry("slide", "saddle", "-X", mesh="slide.stl"))
+    machine = machine.replace(table, entry("table", "slide", "C", [0.0, 0.0, 0.0]))
+    status, said, _ = checked(machine, "G0 Z60\nG1 F9 X-58 C90")
+    assert status == 1
+    place = re.search(r"at X(\S+) .* C(\S+) the bed comes .* of the slide", said)
+    assert place and float(place[2]) == pytest.approx(float(place[1]) / -58 * 90, abs=0.01)
 
 
 def test_what_is_undecided_is_said(checked, monkeypatch):
