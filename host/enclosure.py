@@ -28,8 +28,8 @@ everywhere. A ray from within passes an odd number of *sheets*, where crossings 
 of all else, and where two such solids overlap an even one. Where it passes any in one of six directions the
 answer is undecided, as sheets may have gaps. Walls between solids that touch are no sheets: there the ray is
 inside before and after. So it is within the box of a *double* surface: facets that are written twice, turned
-alike or not, and have a rim, where an edge belongs to an odd number of facets, each counted once; and in the
-box of such rims.
+alike or not, and have a rim, where an edge belongs to an odd number of them, each counted once, and to
+nothing else; and in the box of such rims.
 
 A shell that is turned inside out is a cavity where it lies within another. Where the two cross it is none,
 but a solid that was mirrored, and in the overlap the winding number is 0: undecided, too. So it is where the
@@ -183,12 +183,15 @@ def _doubles(corners: Integers, facets: Integers) -> tuple[Integers, Integers]:
     edges, edge, uses = np.unique(
         some[:, [[0, 1], [1, 2], [0, 2]]].reshape(-1, 2), axis=0, return_inverse=True, return_counts=True
     )
-    single = (uses[edge.reshape(-1, 3)] % 2 == 1)[twice]
+    edge = edge.reshape(-1, 3)[twice]
+    own = np.bincount(edge.ravel(), minlength=len(edges))
+    # The wall between two solids has edges with facets of these.
+    single = ((uses == own) & (own % 2 == 1))[edge]
     rim = single.any(1)
     _, number = np.unique(_connected(some[twice]), return_inverse=True)
     count = int(number.max()) + 1
     boxes = _boxes(facets[real[first[twice]]], number, count)[np.bincount(number[rim], minlength=count) > 0]
-    return boxes, edges[edge.reshape(-1, 3)[twice][single]]
+    return boxes, edges[edge[single]]
 
 
 def _numbered(facets: Integers) -> Integers:

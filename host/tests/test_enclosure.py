@@ -134,6 +134,14 @@ def test_rims_count_facets_once_and_those_of_all_surfaces_together(copies):
     assert enclosure(drill, solid_of(copies(held))).state == State.UNDECIDED
 
 
+def test_a_wall_between_two_solids_has_no_rim():
+    """As between a cutter and its shank: the same facets, of which each belongs to one of the two."""
+    upper = STOCK + np.array([0, 0, 100])
+    outer = solid_of(np.concatenate([STOCK, upper]))
+    assert len(outer.shells.doubles) == len(outer.shells.doubles_rim) == 0
+    assert enclosure(solid_of(box((200, 0, 50), (300, 90, 150))), outer).state == State.OUTSIDE
+
+
 def test_a_missing_band_is_between_its_rims():
     assert enclosure(solid_of(box((40, 40, 40), (200, 60, 60))), solid_of(BANDED)).state == State.UNDECIDED
 
