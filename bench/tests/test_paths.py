@@ -13,8 +13,8 @@ from triaxis.bench.paths.supervised import findings, supervised
 from triaxis.bench.peers.peer import Peer, Question
 from triaxis.golden.judge import judge
 from triaxis.host.broadphase import candidates
-from triaxis.host.enclosure import solid_of
 from triaxis.host.motion.path_check import bulk_engine
+from triaxis.host.shells import solid_of
 
 
 @pytest.mark.long

@@ -21,7 +21,7 @@ from triaxis.host.cli.engine import (
     width_of,
 )
 from triaxis.host.cli.terminal import progress_bar
-from triaxis.host.enclosure import NOT_ASKED, Enclosure, State, enclosure, solid_of
+from triaxis.host.enclosure import NOT_ASKED, Enclosure, State, enclosure
 from triaxis.host.engines import BULK, STILL, Integers, SceneEngine, SceneRun, scene_engine
 from triaxis.host.euclidean import EuclideanEngine, euclidean_distance, within_in_files
 from triaxis.host.least import least_distance
@@ -31,6 +31,7 @@ from triaxis.host.link.messages import Mode, Status
 from triaxis.host.quantise import NOWHERE, check_clearance
 from triaxis.host.report import counts_entry, enclosure_entry, grid_entry, milliseconds, write_report
 from triaxis.host.scene import AUTOMATIC_WIDTHS, AXES, MeshPair, Pose, Turn, distance_of, prepare
+from triaxis.host.shells import solid_of
 from triaxis.host.stl import read_stl
 
 _LISTED = 10

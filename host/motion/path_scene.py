@@ -42,7 +42,6 @@ import numpy.typing as npt
 from triaxis.golden.errors import InputError
 from triaxis.golden.exact import Rational
 from triaxis.golden.pairs import coordinate_range
-from triaxis.host.enclosure import Solid, solid_of
 from triaxis.host.engines import Translation
 from triaxis.host.euclidean import ROOT_3
 from triaxis.host.motion.moves import Move, Program
@@ -61,6 +60,7 @@ from triaxis.host.quantise import (
     vector,
 )
 from triaxis.host.scene import AUTOMATIC_WIDTHS
+from triaxis.host.shells import Solid, solid_of
 from triaxis.host.stl import StlMesh
 
 GridPoint = tuple[Rational, Rational, Rational]

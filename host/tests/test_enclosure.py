@@ -5,7 +5,8 @@ import pytest
 
 from triaxis.golden.bulk import bulk_verdicts
 from triaxis.host import scenes
-from triaxis.host.enclosure import State, enclosure, inside, shells_of, solid_of
+from triaxis.host.enclosure import State, enclosure, inside
+from triaxis.host.shells import shells_of, solid_of
 
 
 def box(low, high, inverted=False):

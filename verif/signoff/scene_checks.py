@@ -11,10 +11,11 @@ import numpy.typing as npt
 from triaxis.golden.judge import judge_pairs
 from triaxis.golden.pairs import Pairs
 from triaxis.host.broadphase import in_order
-from triaxis.host.enclosure import NOT_ASKED, enclosure, solid_of
+from triaxis.host.enclosure import NOT_ASKED, enclosure
 from triaxis.host.engines import DecidingEngine
 from triaxis.host.scene import prepare
 from triaxis.host.scenes import box, machine_solids, mesh_data, write_scenes, write_stl
+from triaxis.host.shells import solid_of
 from triaxis.host.stl import read_stl
 from triaxis.sim.core_engine import RtlEngine, configuration_for
 from triaxis.sim.mesh_configuration import parse_mesh_configuration
