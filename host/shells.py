@@ -10,7 +10,10 @@ What is missing of an open shell is taken to lie in the box of its open edges, t
 are a crack: nothing is in it that is not within 1 LSB of a facet, which no margin is below.
 
 A *double* surface is facets that are written twice, turned alike or not, and have a rim, where an edge
-belongs to an odd number of them, each counted once, and to nothing else.
+belongs to an odd number of them, each counted once, and to nothing else. With other diagonals no facet is
+there twice, but at the rim the surface is folded upon itself: all facets of an edge lie on one side of it, in
+a plane but for rounding. Rounding folds thin facets of good meshes, too. So edges of folds are a rim only
+where they run round, and somewhere no facet is thin. All of the shell is a double surface then.
 """
 
 from dataclasses import dataclass, replace
@@ -85,6 +88,12 @@ def shells_of(facets: Integers) -> Shells:
     points = np.empty((int(corners.max()) + 1, 3), np.int64)
     points[corners.reshape(-1)] = facets.reshape(-1, 3)
     doubles, doubles_rim = _doubles(corners, facets)
+    folds = _folded_rim(corners, points)
+    if len(folds):
+        shell = np.empty(len(points), np.int64)
+        shell[corners] = number[:, None]
+        doubles = np.concatenate([doubles, boxes[np.unique(shell[folds[:, 0]])]])
+        doubles_rim = np.concatenate([doubles_rim, folds])
     if len(rim) and len(doubles_rim):
         # What is missing may lie between the two.
         rim = doubles_rim = np.concatenate([rim, doubles_rim])
@@ -155,6 +164,56 @@ def _doubles(corners: Integers, facets: Integers) -> tuple[Integers, Integers]:
     count = int(number.max()) + 1
     boxes = _boxes(facets[real[first[twice]]], number, count)[np.bincount(number[rim], minlength=count) > 0]
     return boxes, edges[edge[single]]
+
+
+def _folded_rim(corners: Integers, points: Integers) -> Integers:
+    """Return the edges (E, 2) of folds that are rims of surfaces written twice with other diagonals."""
+    edges, broad = _folds(corners, points)
+    while True:
+        _, place, count = np.unique(edges, return_inverse=True, return_counts=True)
+        round_ = (count[place.reshape(-1, 2)] > 1).all(1)
+        if round_.all():
+            break
+        edges, broad = edges[round_], broad[round_]
+    if not broad.any():
+        return edges[:0]
+    number = _connected(edges)
+    return edges[np.isin(number, number[broad])]
+
+
+def _folds(corners: Integers, points: Integers) -> tuple[Integers, Mask]:
+    """Return the edges (E, 2) at which a surface is folded upon itself; and which of these have two facets,
+    not the same, that are further across, everywhere, than rounding moves them: (E,).
+    """
+    real = corners[(np.diff(np.sort(corners, 1), axis=1) > 0).all(1)]
+    ends = np.sort(np.stack([real, np.roll(real, -1, 1)], -1).reshape(-1, 2), 1)
+    apex = np.roll(real, -2, 1).reshape(-1)
+    _, first, edge, uses = np.unique(
+        ends[:, 0] * len(points) + ends[:, 1], return_index=True, return_inverse=True, return_counts=True
+    )
+    # Each facet of an edge with the first one.
+    later = np.flatnonzero((first[edge] != np.arange(len(edge))) & (uses[edge] % 2 == 0))
+    edge, apexes = edge[later], np.stack([apex[first[edge[later]]], apex[later]])
+    exact = exact_type(int(np.ptp(points, axis=0).max(initial=0)))
+    a, b, p, q = (points[one].astype(exact) for one in (*ends[later].T, *apexes))
+    along, to_p, to_q = b - a, p - a, q - a
+    left, right, over = np.cross(along, to_p), np.cross(along, to_q), np.cross(to_p, to_q)
+    axis = np.abs(left).argmax(1)[:, None]
+    one_side = (np.take_along_axis(left, axis, 1) > 0) == (np.take_along_axis(right, axis, 1) > 0)
+    # Of four points in a plane, moved by half an LSB each, this determinant changes by half the sum of the
+    # absolute components of the four areas, and terms of higher order, which count no more than that where
+    # facets are broad.
+    areas = sum(np.abs(one).sum(1) for one in (left, right, over, left - right + over))
+    flat = one_side[:, 0] & (np.abs((left * to_q).sum(1)) <= areas)
+    # Across: more than 4 / sqrt(3) LSB.
+    sides = ((left, (along, to_p, to_p - along)), (right, (along, to_q, to_q - along)))
+    broad = [
+        np.abs(area).max(1) > 4 * np.max([np.abs(one).max(1) for one in some], axis=0) for area, some in sides
+    ]
+    folded, wide = uses % 2 == 0, np.zeros(len(first), np.bool_)
+    np.logical_and.at(folded, edge, flat)
+    np.logical_or.at(wide, edge, broad[0] & broad[1] & (apexes[0] != apexes[1]))
+    return ends[first[folded]], wide[folded]
 
 
 def _numbered(facets: Integers) -> Integers:

@@ -143,6 +143,38 @@ def test_a_wall_between_two_solids_has_no_rim():
     assert enclosure(solid_of(box((200, 0, 50), (300, 90, 150))), outer).state == State.OUTSIDE
 
 
+@pytest.mark.parametrize("turned_round", [False, True])
+@pytest.mark.parametrize("turned", [False, True])
+def test_a_surface_written_twice_with_other_diagonals_has_a_rim(turned_round, turned):
+    """Though each edge of its rim belongs to two facets, no two of which are the same."""
+    one, other = (solid[solid[..., 2].min(1) < 100] for solid in (STOCK, FLIPPED))
+    outer = np.concatenate([one, other[:, ::-1] if turned_round else other])
+    # Turned and rounded, no two are in one plane.
+    way = np.array([[0.96, 0.2, 0.19], [-0.17, 0.97, -0.16], [-0.22, 0.13, 0.97]]) * 37
+    way = way if turned else np.eye(3)
+    outer, drill, deep, above = (
+        np.rint(some @ way).astype(np.int64)
+        for some in (outer, DRILL, box(40, 60), DRILL + np.array([0, 0, 100]))
+    )
+    assert shells_of(outer).open_edges.sum() == 0
+    for tool, state in ((drill, State.UNDECIDED), (deep, State.UNDECIDED), (above, State.OUTSIDE)):
+        assert enclosure(solid_of(tool), solid_of(outer)).state == state
+        assert enclosure(solid_of(outer), solid_of(tool)).state == state
+
+
+@pytest.mark.parametrize(("off", "state"), [(1, State.OUTSIDE), (2, State.OUTSIDE), (3, State.UNDECIDED)])
+def test_what_rounding_folds_is_no_rim(off, state):
+    """A thin facet between two of the upper side, that lies on one of them."""
+    a, b, c, d, m = (np.array([x, y, 100]) for x, y in (
+        (0, 0), (100, 0), (100, 100), (0, 100), (50 + off, 50 - off)
+    ))  # fmt: skip
+    upper = np.array([[a, b, c], [a, c, m], [a, m, d], [m, c, d]])
+    closed = solid_of(np.concatenate([FLIPPED[(FLIPPED[..., 2] < 100).any(1)], upper]))
+    assert closed.shells.oriented.all()
+    spike = solid_of(box((40, -200, 99), (60, 200, 400)))
+    assert enclosure(spike, closed).state == state
+
+
 def test_a_missing_band_is_between_its_rims():
     assert enclosure(solid_of(box((40, 40, 40), (200, 60, 60))), solid_of(BANDED)).state == State.UNDECIDED
 
