@@ -68,7 +68,7 @@ $(VENV)/.ready-peers: requirements-peers.lock $(READY)
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --require-hashes -r requirements-peers.lock
 	@touch $@
 
-signoff: $(READY) $(YOSYS) ## lint, simulate, measure, prove, try every mutant: verdict and report in build/signoff/
+signoff: $(READY) $(YOSYS) ## lint, simulate, measure, prove, account for every mutant: verdict and report in build/signoff/
 	@$(BIN)/triaxis signoff --seed $(SEED) $(if $(WHOLE),--whole)
 
 regress: $(READY) $(DVSIM) $(YOSYS) ## every test and configuration at least once, on dvsim, and the tests too long for the others
@@ -193,7 +193,7 @@ docs: $(SITE) ## make a site of the documents, with search, in build/site/
 	@NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build -q -f .ci/site.yml && echo "written to build/site/: \`$(PYTHON) -m http.server -d build/site\` serves it"
 
 # From what git holds alone: setuptools would take what an earlier build left behind.
-package: $(READY) ## make the wheel in dist/: check, path, watch, board, verdict, scene, tritest outside a checkout; with [signoff] sim
+package: $(READY) ## make the wheel in dist/: check, path, watch, board, verdict, scene, tritest outside a checkout; with [signoff] sim, scene advise
 	rm -rf build/package && mkdir -p build/package dist
 	git archive HEAD | tar -x -C build/package
 	$(BIN)/python -m pip wheel -q --no-deps --no-build-isolation -w dist build/package

@@ -83,19 +83,17 @@ def _margin(gaps: npt.NDArray[np.int64]) -> int:
     return max(0, int(np.sort(gaps)[ceil(UNDECIDED * len(gaps)) - 1]))
 
 
-def random_stream(
-    rng: np.random.Generator, count: int = RANDOM_PAIRS, width: int = WIDTH, margin: int = 0
-) -> Stream:
-    """Return random pairs over the whole range, exactly `UNDECIDED` of them undecided, in random places."""
+def random_stream(rng: np.random.Generator, count: int = RANDOM_PAIRS, width: int = WIDTH) -> Stream:
+    """Return random pairs over the whole range, and margin 0: exactly `UNDECIDED` of them are undecided."""
     low, high = coordinate_range(width)
     wanted = ceil(UNDECIDED * count)
     undecided, decided = np.empty((0, 2, 3, 3), np.int64), np.empty((0, 2, 3, 3), np.int64)
     while len(undecided) < wanted or len(decided) < count - wanted:
         drawn = rng.integers(low, high, (count, 2, 3, 3), endpoint=True)
-        meet = box_gaps(drawn) <= margin
+        meet = box_gaps(drawn) <= 0
         undecided, decided = np.concatenate([undecided, drawn[meet]]), np.concatenate([decided, drawn[~meet]])
     pairs = np.concatenate([undecided[:wanted], decided[: count - wanted]])
-    return Stream("random pairs", rng.permutation(pairs), margin)
+    return Stream("random pairs", rng.permutation(pairs), 0)
 
 
 def streams(seed: int) -> list[Stream]:

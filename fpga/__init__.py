@@ -1,1 +1,1 @@
-"""Synthesis estimates for the board's part."""
+"""What no simulation sees: synthesis, timing, the bitstream, registers behind a bus, packages of the RTL."""

@@ -127,7 +127,7 @@ def _measured(seed: int) -> Findings:
     benchmark = Benchmark(seed)
     if not benchmark.real_meshes:
         print("real meshes: no folder $TRIAXIS_DATA or ../shared/data: our own solids take their place")
-    with progress_bar("bench", benchmark.steps) as progress:
+    with progress_bar("runs of the benchmark", benchmark.steps) as progress:
         return findings(benchmark.run(progress))
 
 

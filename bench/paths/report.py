@@ -216,7 +216,7 @@ def _measured() -> Findings:
     moves, truth = asked_moves(ASKED)
     there, presence = present(peers(moves))
     FOLDER.mkdir(parents=True, exist_ok=True)
-    with progress_bar("steps", 1 + PLANTED + len(there)) as progress:
+    with progress_bar("paths followed", 1 + PLANTED + len(there)) as progress:
         ours = measured(FOLDER, MOVES, SQUARES, PLANTED, progress)
         theirs: list[PeerFigures] = []
         for peer, _ in there:

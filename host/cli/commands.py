@@ -81,8 +81,8 @@ COMMANDS = {
     ),
     "results": Command("show what became of all runs over time", "verif.commands.results", ("done",)),
     "prove formal": Command(
-        "prove streams, axes, verdicts, widths, skipping and runs, for all inputs", "verif.commands.prove",
-        ("all hold", "one does not"),
+        "prove streams, axes, widths, certificates, skipping, memories, runs, go, for all inputs",
+        "verif.commands.prove", ("all hold", "one does not"),
     ),
     "prove theorem": Command(
         "have Coq check why the 32 axes decide, and print what that assumes", "verif.commands.prove",
@@ -132,7 +132,7 @@ COMMANDS = {
         "verif.commands.coverage", ("written",), dict.fromkeys(("--lcov", "--ucis", "--reqif"), Answer()),
     ),
     "signoff": Command(
-        "simulate, measure, prove, try every mutant, and give a verdict", "verif.commands.signoff"
+        "simulate, measure, prove, account for every mutant, and give a verdict", "verif.commands.signoff"
     ),
     "evidence": Command(
         "pack a sign-off with its sources, witnesses, and what verifies them anywhere",

@@ -165,7 +165,7 @@ def run(options: argparse.Namespace) -> int:
             margin_bits=board.description.margin_bits,
         )  # fmt: skip
         operations = list[Operation]()
-        with progress_bar("parts are cut", len(program.stretches)) as progress:
+        with progress_bar("path cut into pieces", len(program.stretches)) as progress:
             for stretch, stock in zip(program.stretches, stocks, strict=True):
                 tool = given or machine.tools[stretch.moves[0].tool]
                 setup = Setup(tool, (work, options.work), stock, machine, options.scale)

@@ -25,8 +25,9 @@ from triaxis.host.link.exchange import LinkError, SerialLine
 from triaxis.host.link.messages import LOADED_POSE, Mesh, Mode, RunEnd, TrialKind, trial_of
 from triaxis.host.tests.line_faults import LineFaults, StaleReplies, patient
 from triaxis.host.tests.published import read_published
+from triaxis.host.tests.served_board import ServedBoard
 from triaxis.host.tests.test_cli import TRIAXIS
-from triaxis.sim.pseudo_terminal import ServedBoard, Wire
+from triaxis.sim.pseudo_terminal import Wire
 from triaxis.sim.simulated_line import SimulatedLine, SimulatedWire
 
 pytestmark = pytest.mark.simulator

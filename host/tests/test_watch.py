@@ -24,13 +24,14 @@ from triaxis.host.motion.operations import Operation
 from triaxis.host.quantise import NOWHERE
 from triaxis.host.tests.machines import MILL, STRAIGHT_MILL, write_meshes
 from triaxis.host.tests.published import read_published
+from triaxis.host.tests.served_board import ServedBoard
 from triaxis.host.tests.test_follow import (
     FLOOR,
     PARAMETERS,  # noqa: F401 - of the fixture `top`
     PROGRAM,
     TOOL,
 )
-from triaxis.sim.pseudo_terminal import ServedBoard, Wire
+from triaxis.sim.pseudo_terminal import Wire
 
 
 def lines_of(end):

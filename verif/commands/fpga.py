@@ -253,7 +253,11 @@ def add_gate(parser: argparse.ArgumentParser) -> None:
 
 def _add_result(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
-        "--result", type=Path, default=RESULT, metavar="FILE", help="build/signoff/signoff.json"
+        "--result",
+        type=Path,
+        default=RESULT,
+        metavar="FILE",
+        help="the sign-off that is asked (build/signoff/signoff.json)",
     )
 
 

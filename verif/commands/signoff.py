@@ -28,7 +28,8 @@ Evidence = dict[str, Any]
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Lint the RTL, run every test in its configurations, measure coverage, catch known faults, prove,
-    try every mutant, and judge. Writes build/signoff/.
+    account for every mutant (what is recorded of this state is played again in part), and judge. Writes
+    build/signoff/.
     """
     add_seed(parser)
     parser.add_argument(
@@ -41,7 +42,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--whole",
         action="store_true",
         help="run the tests in four states and on the netlist first, where build/ holds no result of this "
-        "RTL and environment, and fail where anything is absent: needs Coq and Icarus Verilog",
+        "RTL and environment, play every mutant, whatever is recorded, and fail where anything is absent: "
+        "needs Coq and Icarus Verilog; hours",
     )
     parser.set_defaults(run=run)
 
@@ -58,7 +60,7 @@ def run(options: argparse.Namespace) -> int:
         raise InputError(f"pairs {options.pairs}: must be at least 1000")
     print(f"sign-off with Verilator {verilator()}, seed {options.seed}", flush=True)
     with progress_bar("sign-off", step_count(options.seed, options.pairs, options.whole)) as progress:
-        result = signoff(options.seed, progress, options.pairs, options.whole)
+        result = signoff(options.seed, progress, options.pairs, options.whole, _say)
     page = write(result)
     keep(RESULT)
     if result.parts["mutation"].evidence:
@@ -66,6 +68,10 @@ def run(options: argparse.Namespace) -> int:
     _print(result)
     print(f"written to {RESULT} and {page}")
     return DONE if result.passed else NO
+
+
+def _say(line: str) -> None:
+    print(line, flush=True)
 
 
 def _print(result: Signoff) -> None:
@@ -103,10 +109,9 @@ def _parts_table(result: Signoff) -> Table:
     parts = table("parts of the sign-off", ("part", "verdict", "result", "seconds"), text=3)
     for name, part in result.parts.items():
         found = part.evidence
-        state = "not measured" if found is None else "passed" if found["passed"] else "FAILED"
         text = part.absent or "" if found is None else found["summary"]
         seconds = "" if found is None or found["seconds"] is None else f"{found['seconds']:.0f}"
-        parts.add_row(name.replace("_", " "), state, text, seconds)
+        parts.add_row(name.replace("_", " "), part.state, text, seconds)
     return parts
 
 

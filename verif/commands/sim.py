@@ -1,4 +1,4 @@
-"""``triaxis sim``: one test by name and seed, on the simulated core or mesh engine."""
+"""``triaxis sim``: one test by name and seed, on the simulated core, mesh engine or board."""
 
 import argparse
 import os

@@ -67,7 +67,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(options: argparse.Namespace) -> int:
     """Pack the evidence."""
     path = pack(options.out, options.witnesses)
-    print(f"{path}: {path.stat().st_size / 1e6:.1f} MB: python3 verify.py in it checks everything again")
+    print(f"{path}: {path.stat().st_size / 1e6:.1f} MB: python3 -I verify.py in it checks everything again")
     return DONE
 
 

@@ -89,6 +89,13 @@ class Part:
     absent: str | None = None
 
     @property
+    def state(self) -> str:
+        """Return the verdict on it, as people read it."""
+        if self.evidence is None:
+            return "not measured"
+        return "passed" if self.evidence["passed"] else "FAILED"
+
+    @property
     def as_json(self) -> dict[str, Any]:
         """Return the part as it stands in the file."""
         return {"absent": self.absent, **(self.evidence or {})}

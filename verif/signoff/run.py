@@ -70,8 +70,14 @@ def step_count(seed: int, volume: int, whole: bool = False) -> int:
     )
 
 
-def signoff(seed: int, progress: Callable[[int], None], volume: int = VOLUME, whole: bool = False) -> Signoff:
-    """Run everything; ``progress`` is told of each step done.
+def signoff(
+    seed: int,
+    progress: Callable[[int], None],
+    volume: int = VOLUME,
+    whole: bool = False,
+    say: Callable[[str], None] = lambda _: None,
+) -> Signoff:
+    """Run everything; ``progress`` is told of each step done, ``say`` of each part that begins or ends.
 
     ``whole``: four states and the netlist too, first; then nothing may be absent, nor taken from a record.
     """
@@ -89,8 +95,11 @@ def signoff(seed: int, progress: Callable[[int], None], volume: int = VOLUME, wh
 
     def run_parts(makers: Mapping[str, Callable[[], Evidence | None]]) -> None:
         for name, make in makers.items():
+            title, began = name.replace("_", " "), time.monotonic()
+            say(f"{title} begins")
             with timeline.span(name):
                 parts[name] = attempt(make)
+            say(f"{title}: {parts[name].state}, {time.monotonic() - began:.0f} s")
 
     ended = Event()
 
@@ -101,6 +110,7 @@ def signoff(seed: int, progress: Callable[[int], None], volume: int = VOLUME, wh
 
     beside: dict[str, Part] | None = None
     if whole:
+        say("four states and netlist begin")
         with timeline.span("four_states_and_netlist"):
             beside = make_beside(seed, progress)
     run_parts({

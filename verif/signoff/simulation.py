@@ -23,7 +23,7 @@ from triaxis.verif.core.solver_check import SolverResult, check_solvers
 from triaxis.verif.counterexample.explaining import run_and_explain
 from triaxis.verif.regress.coverage_models import merge_coverage
 from triaxis.verif.regress.definition import in_checkout
-from triaxis.verif.regress.one_job import MOST_OF
+from triaxis.verif.regress.one_job import LEAST_SENT
 from triaxis.verif.signoff.plan import FOLDER, VOLUME, plan
 from triaxis.verif.signoff.scene_checks import SceneResult, check_real_meshes, check_scenes
 from triaxis.verif.testbench.settings import TEST_DATA, TEST_MODULES, Block, RunSettings
@@ -102,7 +102,7 @@ class SimulationResult:
             name, wanted = f"{run.settings.test} in {run.settings.config}", run.settings.pairs
             if not run.passed:
                 found.append(f"{name} failed")
-            if run.counts and run.counts["accepted"] < MOST_OF * wanted:
+            if run.counts and run.counts["accepted"] < LEAST_SENT * wanted:
                 found.append(f"{name}: {run.counts['accepted']} of {wanted} pairs sent")
         for scene in self.scenes + (self.real_meshes or []):
             if not scene.passed:

@@ -284,7 +284,7 @@ def test_a_whole_sign_off_takes_no_mutant_from_the_record(tmp_path, monkeypatch,
 def made(name, monkeypatch, act=lambda: None):
     def part(*_):
         act()
-        return {"part": name}
+        return {"part": name, "passed": name != "lint"}
 
     monkeypatch.setattr(signoff_run, f"{name}_part", part)
 
@@ -295,7 +295,7 @@ def stubbed(monkeypatch, tmp_path):
     monkeypatch.setattr(signoff_run, "BUILD", tmp_path)
     monkeypatch.setattr(signoff_run, "NATIVE", tmp_path / "native")
     monkeypatch.setattr(signoff_run.simulation, "simulate", lambda *_: replace(GOOD, coverage=[]))
-    monkeypatch.setattr(signoff_run.simulation, "as_evidence", lambda *_: {"part": "simulation"})
+    monkeypatch.setattr(signoff_run.simulation, "as_evidence", lambda *_: {"part": "simulation", "passed": True})
     for name in PARTS:
         if name != "simulation":
             made(name, monkeypatch)
@@ -307,8 +307,11 @@ def test_every_part_is_in_its_place_whatever_goes_on_beside_it(stubbed):
         raise InputError("no compiler")
 
     made("code_coverage", stubbed, refuse)
-    found = signoff_run.signoff(1, lambda _: None)
+    said: list[str] = []
+    found = signoff_run.signoff(1, lambda _: None, say=said.append)
     assert tuple(found.parts) == PARTS
+    assert said[:3] == ["lint begins", "lint: FAILED, 0 s", "simulation begins"]
+    assert "code coverage: not measured, 0 s" in said and "mutation: passed, 0 s" in said
     assert found.parts["code_coverage"].absent == "no compiler"
     assert all(
         part.evidence and part.evidence["part"] == name
@@ -375,7 +378,7 @@ def test_an_interrupt_ends_what_goes_on_beside(stubbed, interrupted):
         for _ in range(2000):
             time.sleep(0.01)
             progress(1)
-        return {"part": "proofs"}
+        return {"part": "proofs", "passed": True}
 
     def interrupt():
         assert begun.wait(60)
