@@ -338,7 +338,10 @@ def _parts(mesh: str, inner: Solid, outer: Solid, moves: Integers) -> list[Part]
     doubted = (doubted | _overlapping(shells.boxes, hulls.rim, moves)) & ~held
     opened = f"not closed: {int(hulls.open_edges.sum())} edges have an odd number of facets"
     turned = "closed, but neighbouring facets are not turned the same way"
-    both = "closed, but written with both sides of its surface, so that nothing tells its inside"
+    both = (
+        "closed, but written with both sides of its surface, or flattened by the grid (then a finer "
+        "resolution helps), so that nothing tells its inside"
+    )
     crossed = "closed, but parts of it that cross, or hold each other, are turned inside out"
     around = "closed, but on all sides of something that its facets alone do not show to be outside"
     double, shut = np.zeros((2, len(shells.first)), np.bool_)

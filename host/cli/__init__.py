@@ -13,6 +13,7 @@ import os
 import signal
 import sys
 import time
+from io import TextIOWrapper
 from types import FrameType
 from typing import NoReturn, TextIO
 
@@ -38,6 +39,9 @@ def main(arguments: list[str] | None = None) -> int:
     _handle_with(_end)
     os.register_at_fork(after_in_child=_as_in_other_programs)
     sys.unraisablehook = _swallowed
+    # Names of files may hold what the terminal cannot show.
+    if isinstance(sys.stdout, TextIOWrapper):
+        sys.stdout.reconfigure(errors="backslashreplace")
     try:
         code = _answer(sys.argv[1:], of_this_process=True)
         # There is an answer now, and it stands.

@@ -19,10 +19,13 @@ from triaxis.golden.outputs import remove_older, write_whole
 
 
 class Answer(NamedTuple):
-    """A file that a command leaves its answer in: the endings it may have, and what is in it until then."""
+    """A file that a command leaves its answer in: the endings it may have, what is in it until then, and how
+    an older one begins (99 bytes): a file of anything else is not to be lost.
+    """
 
     endings: tuple[str, ...] = ()
     before: str | None = None
+    older: re.Pattern[bytes] | None = None
 
 
 class Command(NamedTuple):
@@ -38,10 +41,9 @@ class Command(NamedTuple):
     answers: Mapping[str, Answer] = {}
 
 
-_REPORT = {"--json": Answer(before='{\n  "verdict": "unknown"\n}\n')}
+_JSON, _ARRAY = re.compile(rb"\s*(\{[^\0]*)?$"), re.compile(rb"\x93NUMPY|$")
+_REPORT = {"--json": Answer(before='{\n  "verdict": "unknown"\n}\n', older=_JSON)}
 _PICTURE = {"--picture": Answer(endings=(".png", ".svg"))}
-# How a report begins; a file of anything else is not to be lost.
-_OURS = re.compile(rb"\s*(\{|$)")
 _MESHES = "decide whether two STL meshes come within a clearance"
 
 COMMANDS = {
@@ -55,7 +57,8 @@ COMMANDS = {
         ("to the end", "near, or ended before"), _REPORT | _PICTURE,
     ),
     "verdict": Command(
-        "decide pairs of triangles from a .npy file", "host.cli.verdict", ("decided",), {"--out": Answer()}
+        "decide pairs of triangles from a .npy file", "host.cli.verdict", ("decided",),
+        {"--out": Answer(older=_ARRAY)},
     ),
     "board check": Command(_MESHES, "host.cli.board", ("clear", "near"), _REPORT),
     "board status": Command("print what the board is, and its status", "host.cli.board", ("done",)),
@@ -66,7 +69,7 @@ COMMANDS = {
     ),
     "scene advise": Command(
         "choose the coordinate width for meshes, a working volume and a clearance", "host.cli.scene",
-        ("a width is advised", "none fits"), {"--json": Answer()},
+        ("a width is advised", "none fits"), {"--json": Answer(older=_JSON)},
     ),
     "sim": Command("run one test on the simulated core, mesh engine or board", "verif.commands.sim"),
     "regress run": Command("run a regression on dvsim, or go on with it", "verif.commands.regress"),
@@ -179,7 +182,7 @@ COMMANDS = {
     ),
     "tritest run": Command(
         "score a library, or any program, on a set", "bench.tritest.command",
-        ("every pair is right", "not"), {"--json": Answer()},
+        ("every pair is right", "not"), {"--json": Answer(older=_JSON)},
     ),
     "tritest answer": Command(
         "answer pairs for a library, as `tritest run` asks them", "bench.tritest.command", ("done",),
@@ -243,6 +246,21 @@ _CODES = (
 )
 
 
+class _Once(argparse.Action):
+    """Stores a value; of two of an option one would be lost."""
+
+    def __call__(
+        self, parser: argparse.ArgumentParser, namespace: argparse.Namespace, values: object,
+        option_string: str | None = None,
+    ) -> None:  # fmt: skip
+        """Keep the value."""
+        assert isinstance(parser, _Parser)
+        if option_string is not None and self.dest in parser.given:
+            raise InputError(f"{option_string}: given twice: give it once")
+        parser.given.add(self.dest)
+        setattr(namespace, self.dest, values)
+
+
 class _Parser(argparse.ArgumentParser):
     """Says what is wrong with the arguments in one line."""
 
@@ -254,6 +272,9 @@ class _Parser(argparse.ArgumentParser):
             # `remove_older_answers` knows the options by their names.
             allow_abbrev=False,
         )
+        # Wherever an option takes a value.
+        self.register("action", None, _Once)
+        self.given = set[str]()
         # Older versions of argparse take -1e-3 for an option, and complain of a missing value.
         self._negative_number_matcher = re.compile(r"-(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?$")
 
@@ -351,11 +372,17 @@ def _remove_older(option: str, value: str, answer: Answer, others: list[str], al
         raise InputError(f"{value}: is an input file: name another to write to")
     if any(_same(path, Path(other)) for other in also):
         raise InputError(f"{value}: named for two outputs: name another for one of them")
-    if answer.before is not None and path.is_file() and not _OURS.match(path.read_bytes()[:99]):
-        raise InputError(f"{value}: is there, and is no report: name another to write to")
+    if answer.older is not None and path.is_file() and not answer.older.match(_begin(path)):
+        what = "report" if answer.older is _JSON else "answer"
+        raise InputError(f"{value}: is there, and is no {what}: name another to write to")
     remove_older(path)
     if answer.before is not None:
         write_whole(path, answer.before)
+
+
+def _begin(path: Path) -> bytes:
+    with path.open("rb") as file:
+        return file.read(99)
 
 
 def withdraw_yes(words: list[str]) -> None:

@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import TypeVar
 
 from triaxis.golden.errors import InputError
-from triaxis.golden.input_file import Place, read_input
+from triaxis.golden.input_file import Place
 from triaxis.host.motion.expression import (
     ARGUMENTS,
     LARGEST,
@@ -28,6 +28,7 @@ from triaxis.host.motion.expression import (
     times,
     truth,
 )
+from triaxis.host.motion.program_text import COMMENT, lines_of
 
 Taken = TypeVar("Taken")
 
@@ -41,10 +42,8 @@ POLAR = "@^"
 _MOST_LINES, _MOST_CALLS = 2_000_000, 50
 
 _PLAIN = re.compile(rf"([A-Za-z])[ \t]*([+-]?(?:{NUMBER}))", re.ASCII)
-LINE_END = re.compile(r"\r*\n")
-CARRIAGE_RETURN = (
-    "the line has a carriage return in it, a blank to some controls, and its end to others: correct it"
-)
+# What LinuxCNC takes for an O word on its way to the end of a branch; the rest of its line it does not check.
+_SEEN = re.compile(r"/?(?:n[\d.]*)?o", re.IGNORECASE | re.ASCII)
 _FLOW = re.compile(r"(?:N\d+\s*)?O\s*(?=[\d<#\[])", re.IGNORECASE | re.ASCII)
 _FLOW_NAME, _FLOW_WORD = re.compile(r"<([^<>]*)>|(\d+)", re.ASCII), re.compile(r"[A-Za-z]+", re.ASCII)
 _SUBROUTINE = re.compile(r"[\w-]{1,64}", re.ASCII)
@@ -137,13 +136,10 @@ class _Return(Exception):  # noqa: N818
 
 def read_lines(path: Path) -> Iterator[Line | _Flow]:
     """Yield the lines that are not empty. A single % stands before the first, and after the last."""
-    text = read_input(path).removeprefix(b"\xef\xbb\xbf").decode("utf-8", errors="replace")
     started = closed = False
-    for count, line in enumerate(LINE_END.split(text), 1):
+    for count, line in enumerate(lines_of(path), 1):
         place = Place(path, count)
         try:
-            if "\r" in line.rstrip("\r"):
-                raise place.error(line.split("\r")[0][-20:].strip(), CARRIAGE_RETURN)
             body = _without_comments(place, line).strip()
             if body == "%":
                 closed = started
@@ -152,8 +148,14 @@ def read_lines(path: Path) -> Iterator[Line | _Flow]:
                 raise place.error(body.split()[0], AFTER_THE_END)
             elif body:
                 started = True
-                yield _line(place, body)
+                parsed = _line(place, body)
+                if isinstance(parsed, _Flow) and COMMENT.split(line)[0].strip() != body:
+                    raise place.error(body.split()[0], "an O word with a comment in it: move that to its end")
+                yield parsed
         except InputError as error:
+            # In a branch that is not run, too, as a control may see another end of it there.
+            if _SEEN.match("".join(COMMENT.sub("", line).split())):
+                raise
             yield Line(place, wrong=error)
 
 

@@ -719,7 +719,7 @@ class Interpreter:
             self.cycle["Q"] = self.length(place, words["Q"])
         if c in axes:
             self.cycle["bottom"] = self.length(place, axes[c])
-        if self.cycle.keys() < {"R", "bottom"}:
+        if not self.cycle.keys() >= {"R", "bottom"}:
             raise place.error(self.modal.motion or "", "a cycle without its depth: give R and Z")
         now = self.modal.plane, self.modal.units, self.compensation
         if self.level is None:

@@ -5,13 +5,13 @@ from pathlib import Path
 
 from triaxis.golden.errors import InputError
 from triaxis.golden.exact import Rational
-from triaxis.golden.input_file import read_input
 from triaxis.host.engines import Progress, unwatched
 from triaxis.host.motion.expression import Memory
-from triaxis.host.motion.gcode import LINE_END, Execution
+from triaxis.host.motion.gcode import Execution
 from triaxis.host.motion.interpreter import ORIGIN, Interpreter, Modal
 from triaxis.host.motion.machine import Machine
 from triaxis.host.motion.moves import LATE_CHANGE, Program, assumed_start, assumed_state
+from triaxis.host.motion.program_text import lines_of
 from triaxis.host.quantise import Vector, vector
 
 # Lines after which progress is told.
@@ -53,8 +53,7 @@ def read_program(
         raise InputError(f"{path}: no moves: a program with at least one G0 or G1 move is needed")
     if start is None:
         state.notes["start"] = assumed_start(state.moves)
-    lines = LINE_END.split(read_input(path).decode(errors="replace"))
-    if state_note := assumed_state(lines, state.moves):
+    if state_note := assumed_state(lines_of(path), state.moves):
         state.notes["state"] = state_note
     state.notes |= machine.assumed
     changes = (state.loaded or 0, state.changes) != (state.moves[-1].tool, state.moves[-1].changes)

@@ -19,7 +19,7 @@ from pathlib import Path
 
 from triaxis.golden.errors import InputError
 from triaxis.golden.exact import Rational
-from triaxis.golden.input_file import Place
+from triaxis.golden.input_file import Place, read_input
 from triaxis.host.engines import Progress, unwatched
 from triaxis.host.motion.curves import SLACK, Curve, Turned, arc
 from triaxis.host.motion.expression import number
@@ -28,7 +28,8 @@ from triaxis.host.motion.kinematics import ROTARY
 from triaxis.host.motion.machine import SYSTEMS, Machine
 from triaxis.host.motion.moves import LATE_CHANGE, Move, Program, assumed_start, assumed_state
 from triaxis.host.motion.program import TOLD_AFTER, read_program
-from triaxis.host.motion.rs274_text import lines_of, prepared, unset
+from triaxis.host.motion.program_text import lines_of, runs_python
+from triaxis.host.motion.rs274_text import prepared, unset
 from triaxis.host.quantise import NOWHERE, Vector, added, vector
 
 _PROGRAM = "rs274"
@@ -340,6 +341,10 @@ def completes(path: Path, machine: Machine, seconds: int) -> bool:
     _check_installed()
     with tempfile.TemporaryDirectory() as name:
         folder, given = Path(name), path.resolve()
+        # It would be run: of its files, those beside it can be called.
+        files = {given, *(file for file in given.parent.glob("*.ngc") if file.is_file())}
+        if any(runs_python(read_input(file).decode(errors="replace")) for file in files):
+            return False
         if _interpret(folder, machine, False, given, given.parent, seconds):
             return False
         with (folder / _PRINTED).open(errors="replace") as lines:

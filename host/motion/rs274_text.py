@@ -13,11 +13,12 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from triaxis.golden.errors import InputError
-from triaxis.golden.input_file import Place, read_input
+from triaxis.golden.input_file import Place
 from triaxis.host.motion.expression import ARGUMENTS, NO_VALUE
-from triaxis.host.motion.gcode import AFTER_THE_END, BOTH_PLACES, CARRIAGE_RETURN, LINE_END
+from triaxis.host.motion.gcode import AFTER_THE_END, BOTH_PLACES
 from triaxis.host.motion.interpreter import RESTORES
 from triaxis.host.motion.machine import Machine
+from triaxis.host.motion.program_text import COMMENT, lines_of
 
 _NUMBER = re.compile(r"^(\s*/?)\s*(?:[Nn]\s*\d+)?", re.ASCII)
 # What the interpreter would take for 0, in words that say that it is needed: of lines without blanks.
@@ -78,7 +79,7 @@ _WORD = re.compile(rf"[A-Za-z]\s*{_VALUE}", re.ASCII)
 _CHANGE = re.compile(r"[Tt].*|[Mm]\s*0*6", re.ASCII)
 _COMPENSATION = re.compile(r"[Gg]\s*0*4(3|9)", re.ASCII)
 _PRINTING = re.compile(r"([(;]\s*)(?=print|debug|log|probe)", re.IGNORECASE)
-_COMMENT, _PERCENT = re.compile(r"\([^)]*\)|;.*"), re.compile(r"\s*(?:N\d+\s*)?%\s*")
+_PERCENT = re.compile(r"\s*(?:N\d+\s*)?%\s*")
 # What the interpreter says of a name without a value: the name, its number where it stands for one, the line.
 _UNSET = re.compile(r"Named parameter #(<(?:_p+(\d+))?[^>]*>) not defined\s*(?:N(\d+) )?")
 
@@ -103,7 +104,8 @@ def prepared(path: Path, machine: Machine) -> Prepared:
     lines = lines_of(path)
     turns, files = _refuse_unknown(path, lines, machine)
     named = _with_names({path: lines, **{file: lines_of(file) for file in files}})
-    parted = [_split(_PRINTING.sub(r"\1-", line)) for line in named.pop(path)]
+    named = {file: [_PRINTING.sub(r"\1-", line) for line in text] for file, text in named.items()}
+    parted = [_split(line) for line in named.pop(path)]
     numbered = [
         _NUMBER.sub(rf"\g<1>N{count} ", line, count=1) if line.strip() else line
         for count, parts in enumerate(parted, 1)
@@ -138,18 +140,9 @@ def unset(path: Path, errors: str) -> InputError | None:
     )
 
 
-def lines_of(path: Path) -> list[str]:
-    """Return the lines of a program; raise InputError at a carriage return within one."""
-    lines = LINE_END.split(read_input(path).decode("utf-8", errors="replace").rstrip("\r"))
-    for count, line in enumerate(lines, 1):
-        if "\r" in line:
-            raise Place(path, count).error(line.split("\r")[0][-20:].strip(), CARRIAGE_RETURN)
-    return lines
-
-
 def _bare(line: str) -> str:
     """Return a line without comments and blanks, which the interpreter passes over within numbers, too."""
-    return "".join(_COMMENT.sub("", line).split()).lower()
+    return "".join(COMMENT.sub("", line).split()).lower()
 
 
 def _refuse_unknown(path: Path, lines: Sequence[str], machine: Machine) -> tuple[bool, list[Path]]:
@@ -271,7 +264,7 @@ def _with_name(line: str, prefix: str, within: bool) -> str:
         return match[0] if kept else f"#<{prefix}{key}>"
 
     at, parts = 0, list[str]()
-    for comment in (*_COMMENT.finditer(line), None):
+    for comment in (*COMMENT.finditer(line), None):
         code = line[at : comment.start()] if comment else line[at:]
         code = _EXISTS_NUMBER.sub("[1]", _EXISTS.sub(r"[1+0*\1]", code))
         parts += [_NUMBERED.sub(name, code), comment[0] if comment else ""]
@@ -293,7 +286,7 @@ def _read_before(lines: Sequence[str]) -> list[str]:
 
 def _split(line: str) -> list[str]:
     """Return a line; the change of the tool by itself, and the rest, where it sets compensation, too."""
-    begin, words = _PLAIN.fullmatch(_COMMENT.sub("", line)), list[str]()
+    begin, words = _PLAIN.fullmatch(COMMENT.sub("", line)), list[str]()
     if begin is not None:
         words = _WORD.findall(begin[2])
     changing = [word for word in words if _CHANGE.fullmatch(word)]

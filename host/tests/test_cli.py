@@ -344,8 +344,9 @@ def test_whatever_fails_leaves_no_older_answer(meshes, tmp_path, refused):
         ("verdict", tmp_path / "no.npy", "--engine", "rtl", "--out", out),
         ("verdict", "--out", out),
     ):
-        for path in (report, picture, out):
+        for path in (report, picture):
             path.write_text('{"verdict": "clear"}')
+        np.save(out, np.zeros(3))
         refused(*words)
         if report in words:
             assert json.loads(report.read_text()) == UNKNOWN
@@ -379,6 +380,39 @@ def test_outputs_that_cannot_be(meshes, tmp_path, refused):
         file.write_text('{"verdict": "clear"}')
     assert "--json: given twice" in refused("check", *meshes, "--json", both[0], f"--json={both[1]}")
     assert [json.loads(file.read_text())["verdict"] for file in both] == ["unknown", "unknown"]
+
+
+def test_a_value_that_is_given_twice_is_refused(meshes, refused):
+    """Of two, the last one would decide, and the first be lost."""
+    for option, *values in (("--move", "0", "0", "-1"), ("--clearance", "5"), ("--engine", "bulk")):
+        words = ("check", *meshes, option, *values, option, *values)
+        assert f"{option}: given twice" in refused(*words)
+
+
+@pytest.mark.parametrize(
+    ("words", "kept"),
+    [
+        (("check", "a.stl", "b.stl", "--json"), b"{" + bytes(83)),
+        (("scene", "advise", "a.stl", "b.stl", "--json"), bytes(84)),
+        (("verdict", "pairs.npy", "--out"), b'{"verdict": "clear"}'),
+    ],
+)
+def test_what_is_no_older_answer_is_kept(tmp_path, words, kept, refused):
+    """Whatever else is wrong."""
+    other = tmp_path / "other.stl"
+    other.write_bytes(kept)
+    assert "is there, and is no" in refused(*words, other)
+    assert other.read_bytes() == kept
+
+
+def test_names_that_a_terminal_cannot_show_cost_no_answer(meshes, tmp_path):
+    name = tmp_path / "fr\u00e4ser.stl"
+    meshes[0].rename(name)
+    told = subprocess.run(
+        [TRIAXIS, "check", name, meshes[1], "--engine", "bulk"], capture_output=True, check=False,
+        env={**os.environ, "PYTHONIOENCODING": "ascii:strict"},
+    )  # fmt: skip
+    assert (told.returncode, told.stderr) == (0, b"") and rb"fr\xe4ser.stl" in told.stdout
 
 
 @pytest.mark.parametrize(

@@ -198,7 +198,9 @@ REFUSED = [
     ("%\nG0 Z1\nM30\n%\n%\nO2\nG0 Z-50\n%", 6, "O2", "after the end of the program"),
     ("G0 X1 M30\nG0 X2\n%", 2, "G0", "after the end of the program"),
     ("G0 Z1\nM2\n/G0 Z-50", 3, "G0", "after the end of the program"),
-    ("G0 X\u0661", 1, "X\u0661", "no decimal number"),
+    ("G0 X\u0661", 1, "G0 X\u0661", "outside of comments"),
+    ("F9 G83 X1 Z-1 Q1", 1, "G83", "a cycle without its depth"),
+    ("F9 G73 X1 R2 Q1", 1, "G73", "a cycle without its depth"),
     ("G0 Z9\nG1 X5\rY5", 2, "G1 X5", "a carriage return"),
     ("/O1 call", 1, "/O1", "may be left out"),
 ]
@@ -1190,7 +1192,7 @@ def test_nothing_is_passed_over(read, text, word, why):
 
 
 def test_what_is_nested_too_deeply_is_refused(read):
-    for text in ("X" + "[" * 5000, "G0 X" + "-" * 5000 + "1", "".join(f"O{n} if [1]\n" for n in range(3000))):
+    for text in ("G0 X" + "[" * 240, "".join(f"O{n} if [1]\n" for n in range(3000))):
         with pytest.raises(InputError, match=r"nested too deeply"):
             read(text)
 
