@@ -469,7 +469,8 @@ def path(tmp_path, capsys):
 
     def run(program, *words, meshes=(tool, work)):
         moves.write_text(program)
-        command = ("path", *meshes, moves, "--engine", "bulk", "--json", report, *words)
+        engine = () if "--engine" in words else ("--engine", "bulk")
+        command = ("path", *meshes, moves, *engine, "--json", report, *words)
         status = main([*map(str, command)])
         return status, "".join(capsys.readouterr()), read_published(report, "path")
 

@@ -5,11 +5,11 @@ import shutil
 import pytest
 
 from triaxis.golden.errors import InputError
+from triaxis.host.motion.interpreter import ORIGIN
 from triaxis.host.motion.machine import Machine
 from triaxis.host.motion.program import read_program
 from triaxis.host.motion.rs274 import completes, read_by_rs274
 
-START = (0, 0, 0)
 READERS = [
     read_program,
     pytest.param(
@@ -40,12 +40,12 @@ def test_lines_that_controls_read_otherwise_are_refused(tmp_path, reader, line, 
     program = tmp_path / "p.ngc"
     program.write_bytes(b"G21 G90 F100\nG1 X1\no1 if [0]\n" + line + b"\no1 endif\nM2\n")
     with pytest.raises(InputError, match=f"line 4: .*{why}"):
-        reader(program, START, False, Machine())
+        reader(program, ORIGIN, False, Machine())
     # What a called file holds, too.
     program.write_text("G21 G90 F100\nG1 X1\no<called> call\nM2\n")
     (tmp_path / "called.ngc").write_bytes(b"o<called> sub\n" + line + b"\no<called> endsub\n")
     with pytest.raises(InputError, match=f"called.ngc: line 2: .*{why}"):
-        reader(program, START, False, Machine())
+        reader(program, ORIGIN, False, Machine())
 
 
 @pytest.mark.parametrize("reader", READERS)
@@ -54,7 +54,7 @@ def test_comments_may_hold_anything_else(tmp_path, reader):
     line = "G1 X2 (für: <x> ; pyramid, py) (print,1) ; #<ä> (py)"
     program.write_bytes("\ufeff".encode() + f"G21 G90 F100\r\n{line}\r\no<called> call\nM2\r".encode())
     (tmp_path / "called.ngc").write_text("o<called> sub\n(print,2) (DEBUG, 3)\nG1 X3 (ü)\no<called> endsub\n")
-    moves = reader(program, START, False, Machine()).moves
+    moves = reader(program, ORIGIN, False, Machine()).moves
     assert [float(move.end[0]) for move in moves] == [2, 3]
 
 
@@ -71,9 +71,9 @@ def test_an_o_word_that_is_wrong_is_refused_in_a_branch_that_is_not_run(tmp_path
     program = tmp_path / "p.ngc"
     program.write_text(f"G21 G90 F100 #1=2\nG1 X1\no1 if [#1 EQ 1]\nG1 X5\n{line}\nG1 X50\no1 endif\n")
     with pytest.raises(InputError, match="line 5"):
-        read_program(program, START)
+        read_program(program, ORIGIN)
     program.write_text("G21 G90 F100\nG1 X1\no1 if [0] (never) ; not\nG1 X5\nO1 else(c)\nG1 X2\no1 endif\n")
-    assert [float(move.end[0]) for move in read_program(program, START).moves] == [1, 2]
+    assert [float(move.end[0]) for move in read_program(program, ORIGIN).moves] == [1, 2]
 
 
 @pytest.mark.skipif(shutil.which("rs274") is None, reason="rs274 (linuxcnc-uspace) is missing")

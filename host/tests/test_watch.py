@@ -462,7 +462,7 @@ def test_the_command_follows_positions_and_says_how_far(top, tmp_path, capsys, m
             begun.set()
 
     monkeypatch.setattr(watch_module, "Positions", Begun)
-    always = ["--speed", "100", "--lag", "50", "--hold", "500", "--start", "0", "0", "40"]
+    usual = {"--speed": "100", "--lag": "50", "--hold": "500", "--start": "0 0 40"}
     # A clock that knows nothing of how busy the machine is.
     ticks = count()
     clock = SimpleNamespace(monotonic=lambda: next(ticks) / 400)
@@ -470,7 +470,9 @@ def test_the_command_follows_positions_and_says_how_far(top, tmp_path, capsys, m
     with ServedBoard(top, Wire()) as served:
 
         def run(*words):
-            arguments = [str(tool), str(work), str(program), "--port", served.path, *always, *words]
+            arguments = [str(tool), str(work), str(program), "--port", served.path, *words]
+            for option in usual.keys() - set(words):
+                arguments += [option, *usual[option].split()]
             status = main(["watch", *arguments, "--json", str(report), "--skip-self-test"])
             return status, capsys.readouterr()
 

@@ -295,7 +295,8 @@ def stubbed(monkeypatch, tmp_path):
     monkeypatch.setattr(signoff_run, "BUILD", tmp_path)
     monkeypatch.setattr(signoff_run, "NATIVE", tmp_path / "native")
     monkeypatch.setattr(signoff_run.simulation, "simulate", lambda *_: replace(GOOD, coverage=[]))
-    monkeypatch.setattr(signoff_run.simulation, "as_evidence", lambda *_: {"part": "simulation", "passed": True})
+    simulated = {"part": "simulation", "passed": True}
+    monkeypatch.setattr(signoff_run.simulation, "as_evidence", lambda *_: simulated)
     for name in PARTS:
         if name != "simulation":
             made(name, monkeypatch)
