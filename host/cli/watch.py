@@ -46,7 +46,8 @@ from triaxis.host.motion.follow import (
     StrayedError,
     follow,
 )
-from triaxis.host.motion.operations import Operation, check_told_apart, parts_of
+from triaxis.host.motion.moves import Program
+from triaxis.host.motion.operations import NearTurn, Operation, check_told_apart, parts_of
 from triaxis.host.motion.path_scene import GridPoint, PathScene, Wanted
 from triaxis.host.motion.supervision import Names
 from triaxis.host.page import Page
@@ -129,22 +130,8 @@ Source = Positions | HalPositions
 
 def run(options: argparse.Namespace) -> int:
     """Follow a machine, and print how far it came."""
-    if options.speed is None or options.speed <= 0:
-        raise InputError("--speed: say how fast any axis may move, in mm/s, as in --speed 250")
-    for name in ("length", "lag"):
-        if getattr(options, name) <= 0:
-            raise InputError(f"--{name}: must be more than 0: correct it")
-    for name in ("age", "braking", "deviation"):
-        if getattr(options, name) < 0:
-            raise InputError(f"--{name}: must not be negative: correct it")
-    if options.age >= options.lag:
-        raise InputError(
-            f"--age {float(options.age):g}: must be less than --lag {float(options.lag):g}, which holds it: "
-            "correct them"
-        )
+    _check_numbers(options)
     widths = zone_widths(options)
-    if not 1 <= options.hold <= LONGEST:
-        raise InputError(f"hold {options.hold}: must be 1..{LONGEST} ms")
     page = None if options.page is None else Page(options.page)
     # Read from the start, so that no control waits with a line that was true before.
     positions = None if options.simulate or options.hal else _lines(options.positions)
@@ -164,28 +151,21 @@ def run(options: argparse.Namespace) -> int:
             options.clearance, options.resolution, options.length, options.scale, width_of(options, board),
             margin_bits=board.description.margin_bits,
         )  # fmt: skip
-        operations = list[Operation]()
-        with progress_bar("path cut into pieces", len(program.stretches)) as progress:
-            for stretch, stock in zip(program.stretches, stocks, strict=True):
-                tool = given or machine.tools[stretch.moves[0].tool]
-                setup = Setup(tool, (work, options.work), stock, machine, options.scale)
-                for part in parts_of(setup, stretch, wanted, widths):
-                    if isinstance(part, Operation):
-                        operations.append(part)
-                    elif operations:
-                        operations[-1] = operations[-1].stopped_before(part)
-                    else:
-                        return _told(options, Followed(), 0, "near", part.names, trust | {"line": part.line})
-                progress(1)
-        if not operations:
-            raise InputError(f"{program.path}: no line moves X, Y or Z: there is nothing to follow")
-        check_told_apart(operations)
+        setups = [
+            Setup(
+                given or machine.tools[stretch.moves[0].tool], (work, options.work), stock, machine,
+                options.scale,
+            )
+            for stretch, stock in zip(program.stretches, stocks, strict=True)
+        ]  # fmt: skip
+        operations = _operations(program, setups, wanted, widths)
+        if isinstance(operations, NearTurn):
+            told = trust | {"line": operations.line}
+            return _told(options, Followed(), 0, "near", operations.names, told)
         for one in operations:
             # Before the machine starts, and not in the middle.
             check_depth(one.supervised.tool.name, one.scene.a, board.description)
             check_depth(one.supervised.work.name, one.scene.b, board.description)
-        ends = not (program.changes or program.moves[-1].turning)
-        operations[-1] = replace(operations[-1], ends=ends)
         count = sum(len(one.pieces) for one in operations)
         opened = dict[str, None]()
         for one in operations if not options.surfaces_only else ():
@@ -222,6 +202,51 @@ def run(options: argparse.Namespace) -> int:
         one = next(one for one in operations if any(piece is done.near for piece in one.pieces))
         _draw(options.picture, one, done.near, names, done.place)
     return status
+
+
+def _check_numbers(options: argparse.Namespace) -> None:
+    if options.speed is None or options.speed <= 0:
+        raise InputError("--speed: say how fast any axis may move, in mm/s, as in --speed 250")
+    for name in ("length", "lag"):
+        if getattr(options, name) <= 0:
+            raise InputError(f"--{name}: must be more than 0: correct it")
+    for name in ("age", "braking", "deviation"):
+        if getattr(options, name) < 0:
+            raise InputError(f"--{name}: must not be negative: correct it")
+    if options.age >= options.lag:
+        raise InputError(
+            f"--age {float(options.age):g}: must be less than --lag {float(options.lag):g}, which holds it: "
+            "correct them"
+        )
+    if not 1 <= options.hold <= LONGEST:
+        raise InputError(f"hold {options.hold}: must be 1..{LONGEST} ms")
+
+
+def _operations(
+    program: Program, setups: Sequence[Setup], wanted: Wanted, widths: Sequence[Fraction]
+) -> list[Operation] | NearTurn:
+    """Return the parts of the program, each cut into pieces; where it begins with a turn that is near, that.
+
+    ``setups``: of each stretch. Raises InputError where there is nothing to follow, or positions cannot tell
+    one part from the next.
+    """
+    operations = list[Operation]()
+    with progress_bar("path cut into pieces", len(setups)) as progress:
+        for stretch, setup in zip(program.stretches, setups, strict=True):
+            for part in parts_of(setup, stretch, wanted, widths):
+                if isinstance(part, Operation):
+                    operations.append(part)
+                elif operations:
+                    operations[-1] = operations[-1].stopped_before(part)
+                else:
+                    return part
+            progress(1)
+    if not operations:
+        raise InputError(f"{program.path}: no line moves X, Y or Z: there is nothing to follow")
+    check_told_apart(operations)
+    ends = not (program.changes or program.moves[-1].turning)
+    operations[-1] = replace(operations[-1], ends=ends)
+    return operations
 
 
 def _zones(widths: Sequence[Fraction], operations: Sequence[Operation]) -> list[dict[str, Any]]:
