@@ -11,7 +11,7 @@ from triaxis.golden.input_file import Place, read_input
 
 COMMENT = re.compile(r"\([^)]*\)|;.*")
 # Bytes of a line that LinuxCNC reads; what follows is a line of its own, and no comment any more.
-_LONGEST = 253
+LONGEST_LINE = 253
 _LINE_END = re.compile(rb"\r*\n")
 _CARRIAGE_RETURN = (
     "the line has a carriage return in it, a blank to some controls, and its end to others: correct it"
@@ -38,8 +38,8 @@ def runs_python(text: str) -> bool:
 def _check(place: Place, line: str, length: int) -> None:
     if "\r" in line:
         raise place.error(line.split("\r")[0][-20:].strip(), _CARRIAGE_RETURN)
-    if length > _LONGEST or "\0" in line:
-        why = f"a line ends at a zero, or after {_LONGEST} characters, for some controls: break it"
+    if length > LONGEST_LINE or "\0" in line:
+        why = f"a line ends at a zero, or after {LONGEST_LINE} characters, for some controls: break it"
         raise place.error(line[:20], why)
     at = 0
     for comment in COMMENT.finditer(line):

@@ -18,7 +18,7 @@ from triaxis.host.motion.expression import ARGUMENTS, NO_VALUE
 from triaxis.host.motion.gcode import AFTER_THE_END, BOTH_PLACES
 from triaxis.host.motion.interpreter import RESTORES
 from triaxis.host.motion.machine import Machine
-from triaxis.host.motion.program_text import COMMENT, lines_of
+from triaxis.host.motion.program_text import COMMENT, LONGEST_LINE, lines_of
 
 _NUMBER = re.compile(r"^(\s*/?)\s*(?:[Nn]\s*\d+)?", re.ASCII)
 # What the interpreter would take for 0, in words that say that it is needed: of lines without blanks.
@@ -118,6 +118,10 @@ def prepared(path: Path, machine: Machine) -> Prepared:
         ]
         for file, text in named.items()
     }
+    for file, text in {path: numbered, **{path.parent / name: text for name, text in called.items()}}.items():
+        if long := next((line for line in text if len(line.encode()) > LONGEST_LINE), None):
+            why = "with its number, and names for parameters, longer than it reads: break the line"
+            raise InputError(f"{file}: '{long[:20]}': {why}")
     return Prepared(
         [line for line in numbered if _PERCENT.fullmatch(line) is None],
         called,

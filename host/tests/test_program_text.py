@@ -58,6 +58,18 @@ def test_comments_may_hold_anything_else(tmp_path, reader):
     assert [float(move.end[0]) for move in moves] == [2, 3]
 
 
+@pytest.mark.skipif(shutil.which("rs274") is None, reason="rs274 (linuxcnc-uspace) is missing")
+@pytest.mark.parametrize("called", [False, True])
+def test_a_line_does_not_grow_beyond_what_is_read(tmp_path, called):
+    program, own = tmp_path / "p.ngc", tmp_path / "own.ngc"
+    line = "#31=5 ;" + "a" * 238 + " G0 X50"
+    assert len(line) == 252
+    program.write_text(f"G21 G0 X1\n{'o<own> call' if called else line}\nM2\n")
+    own.write_text(f"o<own> sub\n{line}\no<own> endsub\n")
+    with pytest.raises(InputError, match=f"{(own if called else program).name}: '.*longer than it reads"):
+        read_by_rs274(program, ORIGIN, False, Machine())
+
+
 # What LinuxCNC takes for the end of a branch that it does not run, where it checks nothing but the word.
 TAKEN_FOR_AN_END = [
     "o1 else if [#1 EQ 2]", "o1 el se", "o1 else foo", "o1 else )", "N 5 o1 else", "N5.5 o1 else", "/o1 else",
