@@ -365,15 +365,7 @@ def test_no_crash_is_missed_whatever_was_cut_before(rng, tmp_path, programs, lea
         tools = f"[[tools]]\nnumber = 1\nparts = [{shape}]\n"
         (tmp_path / "m.toml").write_text(f'rapids = "straight"\n{tools}')
         (tmp_path / "p.nc").write_text("\n".join(lines))
-        words = (
-            tmp_path / "m.toml",
-            tmp_path / "work.stl",
-            tmp_path / "p.nc",
-            "--clearance",
-            "0",
-            "--engine",
-            "bulk",
-        )
+        words = (tmp_path / "m.toml", tmp_path / "work.stl", tmp_path / "p.nc", "--clearance", "0")
         report = tmp_path / "report.json"
         words = (
             "path",
