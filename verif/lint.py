@@ -9,6 +9,7 @@ import sys
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import partial
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any
 
 from triaxis.fpga.board_build import TOP as BOARD
@@ -87,15 +88,28 @@ def _told(what: str, good: bool, output: str = "") -> bool:
     return good
 
 
-def _run(what: str, command: Sequence[str]) -> bool:
-    answer = _answer(command)
+def _run(what: str, command: Sequence[str], apart: bool = False) -> bool:
+    answer = _answer_apart(command) if apart else _answer(command)
     return _told(what, answer.returncode == 0, answer.stdout + answer.stderr)
 
 
-def _answer(command: Sequence[str]) -> subprocess.CompletedProcess[str]:
+def _answer(command: Sequence[str], folder: Path | None = None) -> subprocess.CompletedProcess[str]:
     return subprocess.run(
-        command, cwd=ROOT, env=verilator().environment(), capture_output=True, text=True, check=False
+        command,
+        cwd=folder or ROOT,
+        env=verilator().environment(),
+        capture_output=True,
+        text=True,
+        check=False,
     )
+
+
+def _answer_apart(command: Sequence[str]) -> subprocess.CompletedProcess[str]:
+    """Run a linter in an empty folder: Verilator would take modules and includes from where it is run, which
+    are in no list of the RTL, and so in no hash of it.
+    """
+    with TemporaryDirectory() as folder:
+        return _answer(command, Path(folder))
 
 
 def rtl_linters() -> dict[str, list[str]]:
@@ -146,7 +160,7 @@ def _verible_format() -> list[str]:
 def lint_rtl(linters: Mapping[str, Sequence[str]]) -> dict[str, list[str]]:
     """Run these linters; return what each found, a line each: none where it is content."""
     with threads(os.cpu_count() or 1) as pool:
-        answers = pool.map(_answer, linters.values())
+        answers = pool.map(_answer_apart, linters.values())
         return {what: _findings(answer) for what, answer in zip(linters, answers, strict=True)}
 
 
@@ -208,12 +222,12 @@ def lint(fix: bool) -> bool:
     for what, command in (
         # By its command: the sign-off, to which the testplan belongs, imports this.
         ("testplan", [_bin("triaxis"), "coverage", "plan"]),
-        *rtl_linters().items(),
         ("ruff check", [_bin("ruff"), "check", "."]),
         ("ruff format", [_bin("ruff"), "format", "--check", "."]),
         ("import-linter", [_bin("lint-imports"), "--no-cache"]),
     ):
         checks.append(partial(_run, what, command))
+    checks[2:2] = [partial(_run, what, command, apart=True) for what, command in rtl_linters().items()]
     with threads(os.cpu_count() or 1) as pool:
         return all([good, *pool.map(lambda check: check(), checks)])
 

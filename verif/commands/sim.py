@@ -5,6 +5,7 @@ import os
 import re
 import sys
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 
 from triaxis.golden.errors import InputError
@@ -131,6 +132,8 @@ def run(options: argparse.Namespace) -> int:
     agent = options.agent or (BURST if block is Block.BOARD else PIN)
     if block is not Block.CORE and (options.replay is not None or options.soak):
         raise InputError("--replay and --soak go with tests of the core")
+    if block is Block.BOARD and options.judged != 1:
+        raise InputError("--judged goes with tests of the core or the mesh engine: the board judges all")
     if options.soak and agent != BURST:
         raise InputError("--soak goes with --agent burst, and only with it")
     if options.simulator != VERILATOR and agent != PIN:
@@ -152,14 +155,22 @@ def run(options: argparse.Namespace) -> int:
         waves=options.waves,
         verbosity=options.verbosity,
     )
+    if options.fault is not None:
+        # Not in place of a healthy run, whose coverage counts.
+        settings = replace(settings, folder=f"{settings.folder}_{options.fault}")
     result = run_and_explain(settings, dut)
     if result.waves:
         print(f"waves: {result.waves}: gtkwave {result.waves.with_suffix('.gtkw')}")
     if not result.passed or not result.counts:
         return _failed(options, result)
     told = _TOLD[block].format(**result.counts)
+    folder = in_checkout(Path(settings.folder))
+    if options.fault is not None:
+        print(f"passed, without noticing {options.fault}: {options.test}, {config}, seed {options.seed}")
+        print(f"{told}; log: {folder}")
+        return DONE
     print(f"passed: {options.test}, {config}, seed {options.seed}: {told}, {result.seconds:.1f} s")
-    print(f"log and coverage: {in_checkout(Path(settings.folder))}; `triaxis coverage page` shows its bins")
+    print(f"log and coverage: {folder}; `triaxis coverage page` shows its bins")
     return DONE
 
 

@@ -16,6 +16,7 @@ from triaxis.golden.errors import InputError
 from triaxis.sim.build import content_hash, rtl_hash
 from triaxis.sim.paths import DUT
 from triaxis.sim.validity import Sources, validity
+from triaxis.verif import lint
 from triaxis.verif.lint import lint_rtl, not_kept, rtl_linters
 from triaxis.verif.mutation.equivalence import evidence_hash
 from triaxis.verif.mutation.killers import killers_hash
@@ -406,7 +407,7 @@ def test_findings_of_several_builds_are_one_and_named_with_the_first(monkeypatch
 
 
 @pytest.mark.simulator
-def test_the_linters_of_the_sign_off_find_what_is_put_in(tmp_path):
+def test_the_linters_of_the_sign_off_find_what_is_put_in(tmp_path, monkeypatch):
     bad = tmp_path / "bad.sv"
     bad.write_text("module bad (input logic [3:0] a, output logic [2:0] b);\n\tassign b = a ;\nendmodule\n")
     commands = rtl_linters()
@@ -424,6 +425,14 @@ def test_the_linters_of_the_sign_off_find_what_is_put_in(tmp_path):
     assert any("tabs" in line for line in found["verible lint"])
     assert found["verible format"] == [f"{bad}: Needs formatting."]
     assert bad.read_text().count("\t") == 1
+    # Nothing is taken from where it is run, as that is in no hash of the RTL.
+    elsewhere = tmp_path / "elsewhere"
+    elsewhere.mkdir()
+    (elsewhere / "hidden.sv").write_text("module hidden;\nendmodule\n")
+    bad.write_text("module bad;\n  hidden u_hidden ();\nendmodule\n")
+    monkeypatch.setattr(lint, "ROOT", elsewhere)
+    monkeypatch.chdir(elsewhere)
+    assert any("'hidden'" in line for line in lint_rtl({"apart": [*begin, str(bad)]})["apart"])
     # One that says nothing and fails has failed.
     assert lint_rtl({"none": [*begin, str(tmp_path / "none.sv")]})["none"]
     assert lint_rtl({"none": ["false"]}) == {"none": ["exit code 1"]}
