@@ -167,7 +167,7 @@ def run(options: argparse.Namespace) -> int:
 def _decisive(checked: list[RuleCheck]) -> RuleCheck:
     near = [one for one in checked if one.near_at is not None]
     if near:
-        return min(near, key=lambda one: one.near_at or 0)
+        return min(near, key=RuleCheck.place_near)
     return next((one for one in checked if one.result.verdict == "unknown"), checked[-1])
 
 

@@ -226,6 +226,8 @@ def _rapids_into_stock(moves: Sequence[Move], tilting: Sequence[int]) -> tuple[l
             rising.append(number)
         elif move.rapid and not (upright and low is not None and move.end[2] >= low):
             others.append(number)
-        low = min(move.start[2] if low is None else low, move.end[2]) if upright else move.end[2]
+        # Where a feed begins the tool has been only where it is known how it came there.
+        been = () if not upright else (low,) if low is not None else (move.start[2],) if move.rapid else ()
+        low = min((*been, move.end[2]))
         here = move.end
     return rising, others

@@ -276,12 +276,14 @@ def _with_objects(table: _Table, machine: Machine, scale: Fraction) -> Machine:
         if len({axis.letter for axis in chain}) < len(chain):
             raise inner.wrong("axis", "another: what carries it moves by this one")
         chains[name] = chain
-        mesh, at = inner.take("mesh", str, None), _place(inner, "at") or NOWHERE
+        mesh, at = inner.take("mesh", str, None), _place(inner, "at")
+        if mesh is None and at is not None:
+            raise inner.wrong("at", "of a mesh: give that, too")
         if mesh is not None:
             if not mesh.isprintable():
                 raise inner.wrong("mesh", "the name of a file")
             file = table.path.parent / mesh
-            bodies.append(Body(name, read_stl(file), str(file), at, chain))
+            bodies.append(Body(name, read_stl(file), str(file), at or NOWHERE, chain))
         touching += [(inner, name, other) for other in inner.take("may_touch", list, [])]
         inner.finish()
     spindle, workpiece = (
@@ -347,10 +349,10 @@ def _assumed(machine: Machine, scale: Fraction) -> dict[str, str]:
 
 def _carried(table: _Table, chains: Mapping[str, tuple[Axis, ...]], needed: bool) -> tuple[Axis, ...]:
     """Return the axes that move what carries something."""
-    on = table.take("on", str, "")
-    if not on and not needed:
+    on = table.take("on", str, None)
+    if on is None and not needed:
         return ()
-    if on not in chains:
+    if on is None or on not in chains:
         raise table.wrong("on", f"an object that stands before it ({', '.join(chains) or 'none does'})")
     return chains[on]
 

@@ -47,6 +47,13 @@ class RuleCheck:
         found = [self.result.asked_at] * inside + ([] if near is None else [near.move])
         return self.rule.numbers[min(found)] if found else None
 
+    def place_near(self) -> tuple[int, Fraction]:
+        """Return the move of the whole program where it is near, and which part of it is behind there."""
+        move, near = self.near_at, self.result.near
+        assert move is not None
+        within = near is not None and self.rule.numbers[near.move] == move
+        return move, near.part_of_move if near is not None and within else Fraction(0)
+
 
 def check_rule(
     tool: Tool, rule: Rule, wanted: Wanted, engine_of: Callable[[PathScene], SceneEngine], progress: Progress,

@@ -106,6 +106,8 @@ CUTS_AND_CRASHES = pytest.mark.parametrize(
         (BLADE, "G0 Z2\nG1 X50\nZ-20.6\nX20", (4, "the tool", "the workpiece")),
         # After a change of the tool, to the same one, nobody knows how it came there.
         (MILL, "G0 Z2\nG1 Z-5\nT1 M6 G0 Z20", (4, "the cutter", "the stock")),
+        # Where it feeds from then on it has not been, either.
+        (MILL, "G0 Z2\nG1 Z-5\nT1 M6 G1 Z-1\nG0 Z20\nG0 Z-5", (6, "the cutter", "the stock")),
         # A neck leaves what is above the cutter to the cutter: it comes out of no undercut.
         (NECKED, "G0 Z2\nG1 Z-7.4\nX5\nG0 Z20", CLEAR),
         (NECKED, "G0 Z2\nG1 X50\nG1 Z-12\nX42.7\nG0 Z20", (6, "the cutter's top", "the stock")),
@@ -328,6 +330,13 @@ def crash(moves, parts, points):
                 return number
             points = points[~hit]
     return None
+
+
+def test_of_two_that_come_near_on_a_move_the_first_is_told(checked, tmp_path):
+    scenes.write_stl(tmp_path / "work.stl", scenes.box((30, -60, -30), (60, 60, 20)))
+    found = checked("G0 X-50 Z-15\nG1 X35", MILL, start=("--start", "-50", "0", "20"))
+    assert (found.status, found.report["near"]["line"], found.report["what"]) == (1, 3, "the tool's body")
+    assert found.report["near"]["position"][0] < -40
 
 
 @pytest.mark.parametrize(

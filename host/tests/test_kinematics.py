@@ -596,6 +596,8 @@ def test_axes_that_turn_may_be_off(checked):
             "object 1, bed: 'may_touch': must be of others",
         ),
         ('name = "bed"', 'name = "bed"\nweight = 5', "object 1, bed: 'weight': not known"),
+        ('name = "bed"', 'name = "bed"\non = ""', "object 1, bed: 'on': must be an object that stands"),
+        ('mesh = "post.stl"', "at = [1.0, 2.0, 3.0]", "object 1, bed: 'at': must be of a mesh"),
         ("loaded = 1", "loaded = 1\nturn_tolerance = -1", "'turn_tolerance': must be not negative"),
         (
             'mesh = "post.stl"',
