@@ -363,9 +363,9 @@ def _interpret(
 
     ``called``: where subroutines are. What it prints is in the folder.
     """
-    (folder / "tools.tbl").write_text(_tool_table(machine))
-    (folder / "offsets.var").write_text(_offsets(machine))
-    (folder / "rs274.ini").write_text(f"[RS274NGC]\nSUBROUTINE_PATH = {called}\n")
+    (folder / "tools.tbl").write_text(_tool_table(machine), "utf-8")
+    (folder / "offsets.var").write_text(_offsets(machine), "utf-8")
+    (folder / "rs274.ini").write_text(f"[RS274NGC]\nSUBROUTINE_PATH = {called}\n", "utf-8")
     words = ["-b"] * skip_optional + ["-i", "rs274.ini", "-t", "tools.tbl", "-v", "offsets.var", str(given)]
     limits = [f"--cpu={seconds}:{seconds + 5}", f"--fsize={_MOST_BYTES}"]
     # It keeps its tools in the user's home, which a control that runs there, or another program that
@@ -390,9 +390,9 @@ def read_by_rs274(
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         (folder / "called").mkdir()
-        (folder / "program.ngc").write_text("\n".join(["%", *first, *text.lines, "N0 M2", "%", ""]))
+        (folder / "program.ngc").write_text("\n".join(["%", *first, *text.lines, "N0 M2", "%", ""]), "utf-8")
         for file, lines in text.called.items():
-            (folder / "called" / file).write_text("\n".join(lines))
+            (folder / "called" / file).write_text("\n".join(lines), "utf-8")
         done = _interpret(folder, machine, skip_optional, Path("program.ngc"), Path("called"), _LONGEST)
         if done in _ENDLESS:
             most = f"within {_LONGEST} s, or {_MOST_BYTES >> 30} GB of moves"

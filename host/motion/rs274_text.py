@@ -26,14 +26,17 @@ _ANY_WORD, _END = r"[gm][\[#]", r"(\.0*)?(?![\d.])"
 # None of the patterns below knows a number that is written so, and nobody needs to.
 _FUNCTION = "abs|acos|asin|atan|cos|exists|exp|fix|fup|ln|round|sin|sqrt|tan"
 _SIGNED = re.compile(rf"[gml](?:[+-]|(?:{_FUNCTION})\[)")
-_MACHINE_WORDS = re.compile(rf"g0*(53|28|30){_END}|g0*10{_END}(?=.*l0*2{_END}|.*l[\[#])|{_ANY_WORD}")
+# It rounds these: what no pattern shows may be any of them.
+_NEARLY = re.compile(r"g\d*\.\d0*[1-9]|[ml]\d*\.0*[1-9]")
+_MACHINE_WORDS = re.compile(rf"g0*(53|28|30){_END}|{_ANY_WORD}")
+# With L of a kind, wherever on the line that stands.
+_SETS = re.compile(rf"g0*10{_END}|{_ANY_WORD}")
 _HOMES = {name: re.compile(rf"g0*{name[1:]}{_END}|{_ANY_WORD}") for name in ("G28", "G30")}
-_LENGTH_WORDS = re.compile(rf"g0*43(\.0*[12]?)?(?!\d)|g0*10{_END}(?=.*l0*1{_END}|.*l[\[#])|{_ANY_WORD}")
+_LENGTH_WORDS = re.compile(rf"g0*43(\.0*[12]?)?(?!\d)|{_ANY_WORD}")
 _RADIUS_WORDS = re.compile(rf"g0*4[12](\.0*1?)?(?!\d)|{_ANY_WORD}")
 _ANY_HOME, _BY_LINEAR = re.compile(rf"g0*(28|30){_END}"), re.compile(r"(?!.*[abc])(?=.*[xyz]).*")
 _CHANGES, _COMPENSATES = (re.compile(rf"{word}{_END}|{_ANY_WORD}") for word in ("m0*6", "g0*4[39]"))
 _LOADING = re.compile(rf"m0*61{_END}|m[\[#]")
-_BY_FIXTURE = re.compile(rf"g0*10{_END}(?=.*l0*11{_END}|.*l[\[#])|{_ANY_WORD}")
 _SET_CONTROLS = re.compile(r"#(\d+)=")
 # Lines of a program that is called by M98, which begin with its number; and what ends one.
 _NUMBERED_PROGRAM, _ENDS_PROGRAM = re.compile(r"(?:n\d+)?o\d+$"), re.compile(rf"m0*99{_END}|m[\[#]")
@@ -48,7 +51,7 @@ _CONTROLS, _NUMBERED = 5000, re.compile(r"#((?:\s*\d)+)", re.ASCII)
 _WORD_EXISTS = r"\s*".join("exists")
 _EXISTS = re.compile(rf"{_WORD_EXISTS}\s*\[\s*(#\s*<\s*_[^>]*>)\s*\]", re.IGNORECASE)
 # A number always does.
-_EXISTS_NUMBER = re.compile(rf"{_WORD_EXISTS}\s*\[\s*#[\d\s]*\]", re.IGNORECASE | re.ASCII)
+_EXISTS_NUMBER = re.compile(rf"{_WORD_EXISTS}\s*\[\s*#([\d\s]*)\]", re.IGNORECASE | re.ASCII)
 _FLOW = r"(?:n\d+)?o(?:<[^>]*>|\d+)"
 _BOUNDS, _NO_BOUNDS = re.compile(rf"{_FLOW}(sub|endsub)"), re.compile(rf"^/{_FLOW}(sub|endsub)")
 # An O word whose name is neither of letters nor plain digits.
@@ -58,6 +61,9 @@ _FANUC = re.compile(rf"m(0*98{_END}|[\[#])")
 _WHOSE = "an argument, in a program with M98 and O sub: of which call is not known: use #31 or more"
 _INDIRECT = re.compile(r"#(?![\d<])|#\d+\.")
 _ANY_FLOW = re.compile(r"/?(?:n\d+)?o")
+_NESTS = re.compile(r"(?:n\d+)?o(<[^>]*>|\d+)((?:end)?(?:sub|if|while|repeat)|do)")
+_BEGINS_WITH_NUMBER, _BESIDE_PERCENT = re.compile(r"^/?[\d.]"), re.compile(r".%|%.")
+_CODE_IN_NAME = re.compile(r"<[^>]*[#\[\]=][^>]*>")
 _CALLED, _DEFINED = re.compile(r"o(<[^>]*>|\d+|[\[#]).*?call"), re.compile(r"o(<[^>]*>|\d+)sub")
 # Of names that begin with _, those that mean the same on each machine; the others are the control's.
 _NAMES = ("x", "y", "z", "metric", "imperial", "absolute", "incremental")
@@ -154,22 +160,33 @@ def _refuse_unknown(path: Path, lines: Sequence[str], machine: Machine) -> tuple
     that it mistakes; return whether any line may turn a system, and the files that are called.
     """
     tools = machine.tools.values()
+    no_frame, no_lengths = (
+        "G54" not in machine.offsets,
+        not tools or any(tool.length is None for tool in tools),
+    )
+    frame = "needs machine coordinates: give the offset of G54 in a machine file"
+    lengths = "needs the length of each tool: give all in a machine file"
     needed = [
-        (_MACHINE_WORDS, "G54" not in machine.offsets,
-         "needs machine coordinates: give the offset of G54 in a machine file"),
+        (_MACHINE_WORDS, no_frame, frame),
         *((words, name not in machine.homes, f"goes home: give {name} in a machine file")
           for name, words in _HOMES.items()),
-        (_LENGTH_WORDS, not tools or any(tool.length is None for tool in tools),
-         "needs the length of each tool: give all in a machine file"),
+        (_LENGTH_WORDS, no_lengths, lengths),
         (_RADIUS_WORDS, not tools or any(tool.diameter is None for tool in tools),
          "needs the diameter of each tool: give parts with diameters in a machine file"),
         (_LOADING, True, "its tool is not known to the interpreter: change tools with M6"),
-        (_BY_FIXTURE, not {"G54", "G59.3"} <= machine.offsets.keys(),
-         "sets a tool by the zero of G59.3: give the offsets of G54 and G59.3 in a machine file"),
+        (_NEARLY, True, "is rounded to another word: write that"),
+        (_BEGINS_WITH_NUMBER, True, "begins its line without a letter: correct it"),
+        (_BESIDE_PERCENT, True, "'%' stands alone on its line: remove it"),
+        (_CODE_IN_NAME, True, "a name with #, [ or = in it: take another"),
         (_INDIRECT, True, "may be any parameter: name it, or leave --reader out"),
         (_COMPUTED, True, "an O word whose name is computed: name it, or leave --reader out"),
         (_NO_BOUNDS, True, "a subroutine that may be left out: begin its lines without /"),
     ]  # fmt: skip
+    set_by = {
+        "2": (no_frame, frame), "1": (no_lengths, lengths),
+        "11": (not {"G54", "G59.3"} <= machine.offsets.keys(),
+               "sets a tool by the zero of G59.3: give the offsets of G54 and G59.3 in a machine file"),
+    }  # fmt: skip
     files, texts = [path], {path: [_bare(line) for line in lines]}
     for file in files:
         files += [more for more in _called(file, texts[file]) if more not in texts]
@@ -192,13 +209,17 @@ def _refuse_unknown(path: Path, lines: Sequence[str], machine: Machine) -> tuple
             # What a branch, a call or / may leave out says nothing.
             plain = file == path and not any_flow and line[:1] != "/"
             shift_known |= plain and _SHIFTING.search(words) is not None
-            called |= "call" in line or file != path
+            called |= (any_flow and "call" in re.sub("<[^>]*>", "<>", line)) or file != path
             if file != path and _CHANGES.search(line) and _COMPENSATES.search(line):
                 why = "with a change of the tool, in a file of its own, which it mistakes: give two lines"
                 raise Place(file, count).error("G43", why)
             if machine.rotary and (home := _ANY_HOME.search(line)) and not _BY_LINEAR.fullmatch(line):
                 why = "turns axes to where only the machine knows: name X, Y or Z, and no other"
                 raise Place(file, count).error(home[0], why)
+            if match := _SETS.search(words):
+                for kind, (missing, why) in set_by.items():
+                    if missing and re.search(rf"l0*{kind}{_END}|l[\[#]", words):
+                        raise Place(file, count).error(match[0], why)
             for pattern, missing, why in needed:
                 if missing and (match := pattern.search(line)):
                     raise Place(file, count).error(match[0], why)
@@ -221,8 +242,18 @@ def _refuse_unknown(path: Path, lines: Sequence[str], machine: Machine) -> tuple
 def _refuse_beginning_anew(path: Path, lines: Sequence[str]) -> None:
     """Raise InputError where M99 may end the program itself, which a control then runs again for ever."""
     ended = called = False
+    # What is open: a branch, a loop, or a subroutine, by its name.
+    within = dict[str, str]()
     for count, line in enumerate(lines, 1):
-        ended |= _ENDS_ALL.search(line) is not None
+        if match := _NESTS.match(line):
+            name, does = _plain(match[1]), match[2]
+            if does[:3] == "end" or (does == "while" and within.get(name) == "do"):
+                within.pop(name, None)
+            else:
+                within[name] = does
+        # What a branch or / may leave out ends nothing.
+        plain = not within and line[:1] != "/"
+        ended |= plain and _ENDS_ALL.search(_NAME.sub("#", line)) is not None
         # A number that stands before the program's end may be its own.
         called |= ended and _NUMBERED_PROGRAM.match(line) is not None
         if not called and (match := _ENDS_PROGRAM.search(_NAME.sub("#", line))):
@@ -267,10 +298,14 @@ def _with_name(line: str, prefix: str, within: bool) -> str:
         kept = key >= _CONTROLS or (within and key <= ARGUMENTS) or not key
         return match[0] if kept else f"#<{prefix}{key}>"
 
+    def exists(match: re.Match[str]) -> str:
+        # Number 0 does not.
+        return "[1]" if int("".join(match[1].split()) or 0) else match[0]
+
     at, parts = 0, list[str]()
     for comment in (*COMMENT.finditer(line), None):
         code = line[at : comment.start()] if comment else line[at:]
-        code = _EXISTS_NUMBER.sub("[1]", _EXISTS.sub(r"[1+0*\1]", code))
+        code = _EXISTS_NUMBER.sub(exists, _EXISTS.sub(r"[1+0*\1]", code))
         parts += [_NUMBERED.sub(name, code), comment[0] if comment else ""]
         at = comment.end() if comment else len(line)
     return "".join(parts)
@@ -302,20 +337,35 @@ def _split(line: str) -> list[str]:
     return [f"{begin[1]}{' '.join(part)}" for part in (changing, [w for w in words if w not in changing])]
 
 
+def _plain(name: str) -> str:
+    """Return a subroutine's name: of digits, with < > or without, it is their number."""
+    name = name.strip("<>")
+    return str(int(name)) if name.isdigit() else name
+
+
 def _called(path: Path, lines: Sequence[str]) -> list[Path]:
     """Return the files beside a program of subroutines that it calls and does not hold."""
     text = "\n".join(lines)
-    defined, names = set(_DEFINED.findall(text)), set(_CALLED.findall(text))
+    defined, names = ({_plain(name) for name in words.findall(text)} for words in (_DEFINED, _CALLED))
+    for count, line in enumerate(lines, 1):
+        # It looks for a file first. M words that are computed are refused.
+        if re.search(rf"m0*98{_END}", line):
+            number = re.search(r"p(\d+)(?![\d.])", line)
+            beside = [file for file in path.parent.glob("*.ngc") if file.stem.isdigit()]
+            if taken := [file for file in beside if not number or file.stem == _plain(number[1])]:
+                why = f"may call {taken[0].name}, which stands beside: rename that"
+                raise Place(path, count).error("M98", why)
     if names & {"[", "#"}:
         raise InputError(f"{path}: calls a subroutine whose name is computed: name it, or leave --reader out")
-    files = {name: path.parent / f"{name.strip('<>')}.ngc" for name in sorted(names)}
+    files = {name: path.parent / f"{name}.ngc" for name in sorted(names)}
     here = {name: file for name, file in files.items() if file.exists()}
     for name in here.keys() & defined:
         # A control takes what it has come by, and else the file.
         calls, bounds = (
-            [count for count, line in enumerate(lines, 1) if name in words.findall(line)]
+            [count for count, line in enumerate(lines, 1) if name in map(_plain, words.findall(line))]
             for words in (_CALLED, _DEFINED)
         )
         if calls[0] < bounds[0]:
-            raise Place(path, calls[0]).error(f"O{name}", BOTH_PLACES.format(here[name].name))
+            word = name if name.isdigit() else f"<{name}>"
+            raise Place(path, calls[0]).error(f"O{word}", BOTH_PLACES.format(here[name].name))
     return [file for name, file in here.items() if name not in defined]

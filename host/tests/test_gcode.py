@@ -911,6 +911,22 @@ def test_linuxcnc_leaves_no_tools_with_its_user(tmp_path, monkeypatch):
 
 
 NOT_KNOWN_THERE = [
+    # L before G10; words that are rounded to these; the end of a branch that is not run.
+    ("L2 G10 P1 X5\nG0 X1", "", "word 'g10': needs machine coordinates"),
+    ("L11 G10 P1 Z5\nG0 X1", MACHINE, "by the zero of G59.3"), ("G53.00001 G0 Z5", "", "rounded to another"),
+    ("G27.99999\nG0 X1", "", "rounded to another"), ("G10 L1.99999 P1 X5\nG0 X1", "", "rounded to another"),
+    ("G91 G0 X1\n/M2\nO5\nG0 X2\nM99", "", "begins the program anew"),
+    ("O1 if [0]\nM2\nO1 endif\nG0 X1\nO5\nM99", "", "begins the program anew"),
+    ("#<m2>=1\nG0 X1\nO5\nM99", "", "begins the program anew"),
+    # Files that it looks for by number.
+    ("M98 P77\nG0 X1\nM2\nO77\nG0 X5\nM99", "", "word 'M98': may call 77.ngc"),
+    ("M98 P#31\nG0 X1\nM2", "", "may call 77.ngc"),
+    ("M98 P078\nG0 X1\nM2\nO78\nM99\nG92.3", "", "kept before"),
+    ("o077 call\nG0 X1\nM2\no77 sub\nG0 X5\no77 endsub", "", "77.ngc has one of its name"),
+    ("o<77> call\nG0 X1\nM2\no 0 77 sub\nG0 X5\no77 endsub", "", "77.ngc has one of its name"),
+    # What it refuses, and would not as it is given it; names that it would be given others for.
+    ("12 G0 X5", "", "begins its line without a letter"), ("G0 X1\nN5 %\nX9", "", "'%' stands alone"),
+    ("#<exists[#1]>=4\nG0 X1", "", "take another"), ("#<call>=1\nG0 X#<_value>", "", "word '#<_value>'"),
     ("G0 X1\nG55 X2", "", "where G55 has its zero"), ("G53 G0 X1", "", "needs machine coordinates"),
     ("G28", "", "needs machine coordinates"), ("G10 L2 P1 X1", "", "needs machine coordinates"),
     ("G30", MACHINE, "give G30 in a machine file"), ("G43 H1\nG0 Z1", "", "needs the length of each tool"),
@@ -974,6 +990,7 @@ def test_linuxcnc_is_not_asked_what_it_is_not_told(tmp_path, text, machine, why)
     program.write_text(f"G21\n{text}\n")
     (tmp_path / "below.ngc").write_text("o<below> sub\nG53 G0 X1\no<below> endsub\n")
     (tmp_path / "own.ngc").write_text("o<own> sub\nG0 X#1\no<own> endsub\n")
+    (tmp_path / "77.ngc").write_text("O77 sub\nG0 Y77\nO77 endsub\n")
     (tmp_path / "changing.ngc").write_text("o<changing> sub\nT1 M6 G43 H1\no<changing> endsub\n")
     file.write_text(machine)
     with pytest.raises(InputError, match=re.escape(why)):

@@ -70,6 +70,14 @@ def test_a_line_does_not_grow_beyond_what_is_read(tmp_path, called):
         read_by_rs274(program, ORIGIN, False, Machine())
 
 
+@pytest.mark.skipif(shutil.which("rs274") is None, reason="rs274 (linuxcnc-uspace) is missing")
+def test_parameter_0_does_not_exist(tmp_path):
+    program = tmp_path / "p.ngc"
+    program.write_text("G21 G90 G0 X1\nX[5+EXISTS[# 0 0]]\nX[7+EXISTS[#1]]\nM2\n")
+    moves = read_by_rs274(program, ORIGIN, False, Machine()).moves
+    assert [float(move.end[0]) for move in moves] == [1, 5, 8]
+
+
 # What LinuxCNC takes for the end of a branch that it does not run, where it checks nothing but the word.
 TAKEN_FOR_AN_END = [
     "o1 else if [#1 EQ 2]", "o1 el se", "o1 else foo", "o1 else )", "N 5 o1 else", "N5.5 o1 else", "/o1 else",
