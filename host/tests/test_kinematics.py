@@ -268,9 +268,9 @@ def written(tmp_path, rng, turning=True):
         if thing.mesh is not None:
             scenes.write_stl(tmp_path / f"{name}.stl", thing.mesh)
             meshes[name] = name, read_stl(tmp_path / f"{name}.stl").facets + thing.at
-        file = None if thing.mesh is None else f"{name}.stl"
+        file, at = (None, None) if thing.mesh is None else (f"{name}.stl", thing.at.tolist())
         pivot = None if thing.pivot is None else thing.pivot.tolist()
-        parts.append(entry(name, thing.on, thing.axis, pivot, file, thing.at.tolist()))
+        parts.append(entry(name, thing.on, thing.axis, pivot, file, at))
     small = scenes.box((-2, -2, 0), (2, 2, 6)), scenes.box((-5, -4, -3), (5, 4, 3))
     for name, mesh, on, at in (
         ("tool", small[0], spindle, nose - [0, 0, LENGTH]), ("work", small[1], table, nose + zero),
