@@ -125,9 +125,9 @@ def test_check_takes_the_board_like_any_other_engine(top, boxes, report, capsys)
     moved = "--rotate z 90 --move 12 0.5 -1.6 --resolution 0.01"
     found = []
     with ServedBoard(top, Wire(patient(top))) as served:
-        for engine in (("board", "--port", served.path), ("bulk", "--width", "16")):
+        for engine, width in ((("board", "--port", served.path), ()), (("bulk",), ("--width", "16"))):
             words = ("check", *map(str, boxes), *moved.split(), "--json", str(report), "--engine", *engine)
-            assert main([*words]) == 1
+            assert main([*words, *width]) == 1
             found.append(read_published(report, "check"))
             assert main([*words, "--width", "24"]) == (2 if engine[0] == "board" else 1)
         assert "width 24: the board has 16 bits: leave --width out" in capsys.readouterr().err

@@ -198,9 +198,9 @@ def test_what_is_first_near_decides(checked):
         ("G0 Z-3\nG1 Z-5\nG0 Z50", -4, 2),
         ("G0 X0\nG1 Z5\nG0 Z-4", -4, 2),
         ("G0 X5\nG1 Z5\nG0 Z-4", -4, 2),
-        # It cuts its way from there.
+        # It cuts its way from there, and has not been where that begins.
         ("G1 X5\nG0 Z5\nG0 Z-4", -4, None),
-        ("G1 Z5\nG0 Z-4\nG0 Z5\nG0 Z-4.1", -4, 5),
+        ("G1 Z5\nG0 Z-4\nG0 Z5\nG0 Z-4.1", -4, 3),
     ],
 )
 def test_where_an_operation_begins_it_has_not_been(checked, program, start, line):

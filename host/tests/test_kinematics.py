@@ -491,10 +491,13 @@ def test_angles_are_those_of_the_place_that_is_told(checked, tmp_path):
     slide, table = entry("slide", "saddle", "-X"), entry("table", "slide", "C", [0.0, 0.0, 0.0], "table.stl")
     machine = MILL.replace(slide, entry("slide", "saddle", "-X", mesh="slide.stl"))
     machine = machine.replace(table, entry("table", "slide", "C", [0.0, 0.0, 0.0]))
+    # That comes near before, and turns.
+    machine = machine.replace('name = "bed"', 'name = "bed"\nmay_touch = ["workpiece"]')
     status, said, _ = checked(machine, "G0 Z60\nG1 F9 X-58 C90")
     assert status == 1
     place = re.search(r"at X(\S+) .* C(\S+) the bed comes .* of the slide", said)
-    assert place and float(place[2]) == pytest.approx(float(place[1]) / -58 * 90, abs=0.01)
+    assert place, said
+    assert float(place[2]) == pytest.approx(float(place[1]) / -58 * 90, abs=0.01)
 
 
 def test_what_is_undecided_is_said(checked, monkeypatch):
