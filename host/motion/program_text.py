@@ -1,7 +1,6 @@
 """The text of a G-code program, as both readers take it: its lines, or what controls may read otherwise.
 
-What stands here of LinuxCNC is from its source (2.9: ``rs274ngc_pre.cc``, ``interp_read.cc``,
-``interp_convert.cc``) and was tried.
+What stands here of LinuxCNC was tried with its interpreter, rs274 of 2.9.
 """
 
 import re

@@ -252,13 +252,8 @@ def add_gate(parser: argparse.ArgumentParser) -> None:
 
 
 def _add_result(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument(
-        "--result",
-        type=Path,
-        default=RESULT,
-        metavar="FILE",
-        help="the sign-off that is asked (build/signoff/signoff.json)",
-    )
+    asked = "the sign-off that is asked (build/signoff/signoff.json)"
+    parser.add_argument("--result", type=Path, default=RESULT, metavar="FILE", help=asked)
 
 
 def _gate(options: argparse.Namespace) -> int:
