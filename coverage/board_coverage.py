@@ -3,18 +3,18 @@
 from collections.abc import Iterator, Sequence
 from functools import cache
 from itertools import product
-from pathlib import Path
 
 import numpy as np
 
 from triaxis.coverage.counts import Counts
 from triaxis.coverage.cover_model import Codes, CoverItem, CoverModel, Coverpoint
+from triaxis.sim.validity import Sources
 
 Happened = tuple[str, str]
 View = Sequence[Happened]
 
-_HERE = Path(__file__).parent
-_SOURCES = tuple(_HERE / name for name in ("bins.cpp", "board_coverage.py", "cover_model.py"))
+# See core_coverage.py.
+_SOURCES = Sources(("triaxis.coverage.board_coverage", "triaxis.verif.board.reference"))
 
 COMMANDS = ("HELLO", "LOAD", "RUN", "RESULTS", "STATUS", "ABORT")
 GO, RUNNING, STOP = STATES = ("go", "run", "stop")
@@ -141,7 +141,7 @@ def board_model() -> CoverModel[View]:
         ),
         (
             "board_trials",
-            "checks that a run tries: kind x which",
+            "what a run came to try: kind x which",
             (f"{kind} {which}" for kind, which in product(TRIALS, range(_WHICHES))),
         ),
         ("board_tried", "kind of what a run tries x whether it was a fault", _tried()),

@@ -5,24 +5,21 @@ What a build cannot reach is no part of its model, so goals are met build by bui
 
 from dataclasses import replace
 from functools import cache
-from pathlib import Path
 
+from triaxis.coverage import core_exclusions as exclusions
 from triaxis.coverage import core_points as points
-from triaxis.coverage import core_proofs as proofs
 from triaxis.coverage.core_points import AxisPoints, Point, axis_points, margin_end, margin_point
 from triaxis.coverage.core_sample import CoreSample, CoreView
 from triaxis.coverage.counts import Counts
 from triaxis.coverage.cover_model import CoverItem, CoverModel
 from triaxis.sim.configuration import Configuration
+from triaxis.sim.validity import Sources
 
 Item = CoverItem[CoreView]
 
-_HERE = Path(__file__).parent
-# Code that decides what a count means: counts of another version of it are refused.
-_SOURCES = tuple(
-    _HERE / name
-    for name in ("bins.cpp", "core_coverage.py", "core_points.py", "core_sample.py", "cover_model.py")
-)
+# Code that decides what a count means, with all that it imports: counts of another version of it are refused.
+# The environment's, which makes samples, by its name: it stands above, and is not imported.
+_SOURCES = Sources(("triaxis.coverage.core_coverage", "triaxis.verif.core.checking"))
 # One hit of an axis as the claim may be luck: it is the answer that users rely on.
 _CLAIMS = 10
 # Of near pairs an error on any axis shows, so these need not be alone.
@@ -70,10 +67,12 @@ def _answers(build: Configuration, axes: AxisPoints) -> list[Item]:
             "answer",
             "what the core answered, against the golden model",
             (points.ANSWER,),
-            proofs.ANSWER_PROOFS,
+            exclusions.ANSWER_PROOFS,
         ),
         Item("claim", "the verdict, with the axis that the core claims", (axes.claim,), at_least=_CLAIMS),
-        Item("flags", "who decided x flags answered", (points.DECISION, points.FLAGS), proofs.flags(build)),
+        Item(
+            "flags", "who decided x flags answered", (points.DECISION, points.FLAGS), exclusions.flags(build)
+        ),
     ]
     if not build.edge_box:
         items.append(
@@ -81,7 +80,7 @@ def _answers(build: Configuration, axes: AxisPoints) -> list[Item]:
                 "blind",
                 "axes that the core lacks x coplanar",
                 (points.BLIND, points.COPLANAR),
-                proofs.BLIND_PROOFS,
+                exclusions.BLIND_PROOFS,
             )
         )
     return items
@@ -93,7 +92,7 @@ def _axes(build: Configuration, axes: AxisPoints, margin: tuple[Point, ...]) -> 
             "sole_axis",
             "the only axis that separates x side x ranks",
             (axes.sole, points.SIDE, points.RANK_A, points.RANK_B, *margin),
-            proofs.sole_axis(build),
+            exclusions.sole_axis(build),
         ),
         Item(
             "sole_axis_size", "the only axis that separates x size of the numbers", (axes.sole, points.SIZE)
@@ -123,7 +122,7 @@ def _axes(build: Configuration, axes: AxisPoints, margin: tuple[Point, ...]) -> 
                 "largest_margin",
                 "whether the margin is the largest x who decided",
                 (margin_end(build), points.DECISION),
-                proofs.largest_margin(build),
+                exclusions.largest_margin(build),
             ),
         ]
     return items
@@ -132,24 +131,24 @@ def _axes(build: Configuration, axes: AxisPoints, margin: tuple[Point, ...]) -> 
 def _geometry(build: Configuration, margin: tuple[Point, ...]) -> list[Item]:
     ranks = (points.RANK_A, points.RANK_B, *margin)
     return [
-        Item("relation", "how A and B lie x ranks", (points.RELATION, *ranks), proofs.RELATION_PROOFS),
+        Item("relation", "how A and B lie x ranks", (points.RELATION, *ranks), exclusions.RELATION_PROOFS),
         Item(
             "contact",
             "vertices of A x of B that span what touches, of two triangles",
             (points.CONTACT_A, points.CONTACT_B, *margin),
-            proofs.CONTACT_PROOFS,
+            exclusions.CONTACT_PROOFS,
         ),
         Item(
             "contact_features",
             "feature of A x of B that touches x coplanar, of two triangles",
             (points.FEATURE_A, points.FEATURE_B, points.COPLANAR, *margin),
-            proofs.CONTACT_FEATURES_PROOFS,
+            exclusions.CONTACT_FEATURES_PROOFS,
         ),
         Item(
             "decision",
             "who decided x coplanar x ranks",
             (points.DECISION, points.COPLANAR, *ranks),
-            proofs.decision(build),
+            exclusions.decision(build),
         ),
         Item("size", "size of the numbers x who decided", (points.SIZE, points.DECISION)),
     ]
@@ -185,7 +184,7 @@ def _protocol() -> list[Item]:
             "clocks that a pair was offered before it was taken x its result",
             (points.WAITS_IN, points.WAITS_OUT),
         ),
-        Item("runs", "pairs in a row that waited on neither side", (points.RUNS,)),
+        Item("runs", "pairs in a row, clock by clock, that waited on neither side", (points.RUNS,)),
     ]
 
 

@@ -55,8 +55,8 @@ class CoreSample:
     ``facts``: what the bulk checker says, over all 32 axes. ``margins``: in LSB. ``words``: TDATA of the
     results, bits as docs/interface.md lists them. ``waits_in``, ``waits_out``: clocks that a pair was offered
     to the core before it was taken, and a result by it; any integer type, narrow ones are faster. They may
-    saturate, at 8 or more. ``attempts``: what each pair tried of a certified core, see
-    `triaxis.sim.packing.Try`.
+    saturate, at 8 or more. ``clocks``: the clock at which each result was taken. ``attempts``: what each pair
+    tried of a certified core, see `triaxis.sim.packing.Try`.
     """
 
     facts: Facts
@@ -64,11 +64,12 @@ class CoreSample:
     words: npt.NDArray[np.uint16]
     waits_in: npt.NDArray[np.integer]
     waits_out: npt.NDArray[np.integer]
+    clocks: npt.NDArray[np.integer]
     attempts: Codes
 
     def __post_init__(self) -> None:
         """Refuse arrays of different lengths."""
-        arrays = (self.margins, self.words, self.waits_in, self.waits_out, self.attempts)
+        arrays = (self.margins, self.words, self.waits_in, self.waits_out, self.clocks, self.attempts)
         lengths = {len(self.facts), *map(len, arrays)}
         if len(lengths) > 1:
             raise ValueError(f"arrays of one sample have different lengths: {sorted(lengths)}")
@@ -77,9 +78,9 @@ class CoreSample:
 class CoreView:
     """A sample as a core of that build sees it.
 
-    Without the edge x box axes those axes decide nothing: `above`, `below`, `level`, `clear_step` and
-    `near_step` are masked to the axes of the build, here and nowhere else. What the triangles are
-    to each other, `relation` and `supports`, is geometry and taken from all 32 axes.
+    Without the edge x box axes those axes decide nothing: masks of axes are cut down to those of the build,
+    here and nowhere else. What the triangles are to each other, `relation` and `support`, is geometry and
+    taken from all 32 axes.
     """
 
     def __init__(self, build: Configuration, sample: CoreSample) -> None:
@@ -299,12 +300,16 @@ class CoreView:
 
     @cached_property
     def runs(self) -> npt.NDArray[np.intp]:
-        """Return the lengths of the longest runs of pairs that waited on neither side: any number of them."""
+        """Return the lengths of the longest runs of pairs of which none waited, on neither side, and whose
+        results were taken in one clock after the other: any number of them.
+        """
         # What runs on beyond the sample is cut there: a length is never overstated.
-        waited = (self.sample.waits_in != 0) | (self.sample.waits_out != 0)
-        ends = np.concatenate([[-1], np.flatnonzero(waited), [len(waited)]])
-        lengths = np.diff(ends) - 1
-        return lengths[lengths > 0]
+        sample = self.sample
+        waited = (sample.waits_in != 0) | (sample.waits_out != 0)
+        cut = waited[1:] | waited[:-1] | (np.diff(sample.clocks) != 1)
+        bounds = np.concatenate([[0], np.flatnonzero(cut) + 1, [len(waited)]])
+        # A pair that waited is a piece of its own.
+        return np.diff(bounds)[~waited[bounds[:-1]]] if len(waited) else bounds[:0]
 
 
 def _relations() -> Codes:

@@ -21,6 +21,7 @@ import numpy as np
 import numpy.typing as npt
 
 from triaxis.golden.native import native_function
+from triaxis.sim.validity import Sources
 
 Sample = TypeVar("Sample")
 Codes = npt.NDArray[np.uint8]
@@ -151,13 +152,16 @@ class CoverItem(Generic[Sample]):
             yield Bin(name, goal, next((e for e in self.exclusions if e.when(*codes)), None))
 
 
+_NO_SOURCES = Sources(())
+
+
 @dataclass(frozen=True)
 class CoverModel(Generic[Sample]):
-    """Items under one name. ``sources``: the files with the code that samples, for the hash."""
+    """Items under one name. ``sources``: the code that samples, for the hash."""
 
     name: str
     items: tuple[CoverItem[Sample], ...]
-    sources: tuple[Path, ...] = ()
+    sources: Sources = _NO_SOURCES
 
     def __post_init__(self) -> None:
         """Refuse two items of one name."""
@@ -173,9 +177,14 @@ class CoverModel(Generic[Sample]):
         """
         definition = [self.name, [_definition(item) for item in self.items]]
         digest = hashlib.sha256(json.dumps(definition).encode())
-        for source in self.sources:
-            digest.update(hashlib.sha256(source.read_bytes()).digest())
+        digest.update(_hash_of(self.sources).encode())
         return digest.hexdigest()
+
+
+@cache
+def _hash_of(sources: Sources) -> str:
+    """Return the hash of code: read once in a process, whose models are of the code that it runs."""
+    return sources.hash()
 
 
 def _definition(item: CoverItem[Any]) -> list[Any]:

@@ -5,21 +5,18 @@ A transaction is a run. What a build cannot reach is no part of its model, or ex
 
 from collections.abc import Callable, Sequence
 from functools import cache
-from pathlib import Path
 
 from triaxis.coverage import mesh_points as points
 from triaxis.coverage.counts import Counts
 from triaxis.coverage.cover_model import CoverItem, CoverModel, Exclusion, Kind
 from triaxis.coverage.mesh_points import Point
 from triaxis.coverage.mesh_sample import MeshBuild, MeshRow, MeshView
+from triaxis.sim.validity import Sources
 
 Item = CoverItem[MeshView]
 
-_HERE = Path(__file__).parent
-_SOURCES = tuple(
-    _HERE / name
-    for name in ("bins.cpp", "mesh_coverage.py", "mesh_points.py", "mesh_sample.py", "cover_model.py")
-)
+# See core_coverage.py.
+_SOURCES = Sources(("triaxis.coverage.mesh_coverage", "triaxis.verif.mesh.checking"))
 
 _FIRST, _BAD = 0, 3
 
@@ -104,7 +101,14 @@ def _sizes(build: MeshBuild) -> list[Item]:
     }
     absent = {size for size, lacking in lacks.items() if lacking}
     none = _none("the build has no such size of its own", lambda a, b: a in absent or b in absent)
-    items = [Item("mesh_sizes", "size of A x B", (points.size(build, "a"), points.size(build, "b")), (none,))]
+    items = [
+        Item(
+            "mesh_sizes",
+            "size of A x B, of runs in a mode that there is",
+            (points.size(build, "a"), points.size(build, "b")),
+            (none,),
+        )
+    ]
     if build.group > 1:
         for m in "ab":
             last = points.last("group", m, build.group)
@@ -193,7 +197,7 @@ def _gaps(build: MeshBuild) -> list[Item]:
         return (_none(reason, lambda code: is_so and code % 2 == 1),)
 
     return [
-        Item(f"mesh_{name}", f"gap between {meaning}", (points.mask(name, bins),), excluded)
+        Item(f"mesh_{name}", f"gap between {meaning}, in complete runs", (points.mask(name, bins),), excluded)
         for name, meaning, excluded in (
             ("row_gaps", "a group of A and the whole of B", ()),
             (

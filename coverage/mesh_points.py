@@ -9,7 +9,7 @@ Point = Coverpoint[MeshView]
 
 MODES = ("first", "all", "count", "none")
 STATUSES = ("complete", "first", "aborted", "overflow", "overfull", "bad mode", "fault")
-_FAULT = 7
+_BAD_MODE, _FAULT = 6, 7
 TRIALS = ("nothing", "claim", "parity", "number", "memory", "walk", "intake", "board")
 MEMORIES = ("groups of A", "groups of B", "boxes of A", "boxes of B", "triangles of A", "triangles of B")
 WHICHES = 32
@@ -59,13 +59,13 @@ RAN = Point(
 
 
 def size(build: MeshBuild, mesh: str) -> Point:
-    """Return the point of the sizes of mesh "a" or "b"."""
+    """Return the point of the sizes of mesh "a" or "b", of runs whose mode is one."""
     bit = 1 << "ab".index(mesh)
 
     def codes(view: MeshView) -> Codes:
         count = getattr(view, f"count_{mesh}")
         group = build.group
-        return _choice(
+        sizes = _choice(
             (count == 0),
             (count == 1),
             (count == group - 1),
@@ -74,8 +74,9 @@ def size(build: MeshBuild, mesh: str) -> Point:
             (count < build.depth),
             (view.overfull & bit) == 0,
         )
+        return np.where(view.status == _BAD_MODE, len(SIZES), sizes).astype(np.uint8)
 
-    return Point(f"size of {mesh.upper()}", SIZES, codes)
+    return Point(f"size of {mesh.upper()}", SIZES, codes, partial=True)
 
 
 def last(name: str, mesh: str, size: int) -> Point:
@@ -83,7 +84,7 @@ def last(name: str, mesh: str, size: int) -> Point:
 
     def codes(view: MeshView) -> Codes:
         count = getattr(view, f"count_{mesh}")
-        ran = (view.status <= 2) & (count > 0)
+        ran = (view.status <= 2) & (view.count_a * view.count_b > 0)
         return _choice(ran & (count % size == 0), ran)
 
     return Point(f"last {name} of {mesh.upper()}", ("full", "partial"), codes, partial=True)
@@ -168,7 +169,9 @@ FOUND_IN = Point("found", FOUND, _found, partial=True)
 AGAIN = Point(
     "again",
     ("none", "one", "some", "16 and more"),
-    lambda v: np.where(v.slow + v.warn > 0, _classes(v.asked_again, 1, 2, 16), 4).astype(np.uint8),
+    lambda v: np.where(
+        (v.slow > v.margin) | (v.warn > _slow(v)), _classes(v.asked_again, 1, 2, 16), 4
+    ).astype(np.uint8),
     partial=True,
 )
 FIRST_AT = Point(
@@ -187,13 +190,18 @@ SATURATED = Point("cycles", ("counted", "at the largest number"), lambda v: v.sa
 TOGETHER = Point("load and run", ("apart", "together"), lambda v: v.loaded_with_run.astype(np.uint8))
 
 
-# Of runs that began without a fault.
-TRIAL = Point(
-    "tries",
-    TRIALS,
-    lambda v: np.where(v.before == Before.STAYS, len(TRIALS), v.tried).astype(np.uint8),
-    partial=True,
-)
+def _tries(view: MeshView) -> Codes:
+    """Return what runs try that began without a fault and came to it.
+
+    Attempts need a pair, memories a scan.
+    """
+    attempts, memory = (view.tried >= 1) & (view.tried <= 3), view.tried == TRIALS.index("memory")
+    idle = attempts & (view.tested == 0) | memory & ((view.count_a * view.count_b == 0) | (view.status > 3))
+    none = (view.before == Before.STAYS) | idle & (view.status != _FAULT)
+    return np.where(none, len(TRIALS), view.tried).astype(np.uint8)
+
+
+TRIAL = Point("tries", TRIALS, _tries, partial=True)
 FAULT = Point("ends", ("otherwise", "in a fault"), lambda v: (v.status == _FAULT).astype(np.uint8))
 BEFORE = Point(
     "fault before",

@@ -5,7 +5,7 @@ bin. Here is what shows without running again, so that the gate sees it too on a
 modules have changed, that is not well formed, or that is not the one that code coverage was measured with;
 and patterns of a waiver that fit nothing any more.
 
-Exclusions of functional coverage are proofs, see `triaxis.coverage.core_proofs`: they do not expire,
+Exclusions of functional coverage are proofs, see `triaxis.coverage.core_exclusions`: they do not expire,
 because each run tries them again. A hit of an excluded bin is a problem of its `ModelReport`.
 """
 

@@ -17,6 +17,8 @@ from triaxis.golden.errors import InputError
 from triaxis.golden.outputs import write_whole
 from triaxis.sim.build import content_hash
 from triaxis.sim.configuration import CORE_TOP
+from triaxis.sim.paths import ROOT
+from triaxis.sim.slang import compiled
 
 _MULTIPLIER = "triaxis_mul"
 # Its generate blocks for the product of two pieces, and for that of two wide ones.
@@ -83,25 +85,6 @@ def count_dsps(sources: Sequence[Path], include: Path, top: str, parameters: Map
     return DspCount(total["products"], total["pieces"], total["dsps"])
 
 
-def compiled(sources: Sequence[Path], include: Path, top: str, parameters: Mapping[str, int]) -> Any:
-    """Return a module as slang elaborates it."""
-    import pyslang
-    from pyslang.ast import Compilation, CompilationOptions
-    from pyslang.syntax import SyntaxTree
-
-    options = CompilationOptions()
-    options.topModules = {top}
-    options.paramOverrides = [f"{name}={value}" for name, value in parameters.items()]
-    bag = pyslang.Bag()
-    bag.compilationOptions = options
-    manager = pyslang.SourceManager()
-    manager.addUserDirectories(str(include))
-    compilation = Compilation(bag)
-    for source in sources:
-        compilation.addSyntaxTree(SyntaxTree.fromFile(str(source), manager, bag))
-    return compilation
-
-
 def _of_expression(node: Any, context: Any) -> dict[str, int]:
     """Return what a multiplication outside `triaxis_mul` takes, of unsigned numbers; none of constants."""
     constants = [_constant(side, context) for side in (node.left, node.right)]
@@ -136,7 +119,8 @@ class DspCounts:
         """Count the RTL in ``dut``; ``kept``: the file, which holds for these very sources only."""
         self._dut, self._kept = dut, kept
         self._board = bitstream_sources(dut)
-        self._key = content_hash([Path(__file__), *self._board, *sorted((dut / "core").glob("*.svh"))])
+        counting = Path(__file__), ROOT / "sim" / "slang.py"
+        self._key = content_hash([*counting, *self._board, *sorted((dut / "core").glob("*.svh"))])
         self._counts = self._read()
 
     def core(self, width: int, margin_bits: int, edge_box: bool = True) -> DspCount:

@@ -17,10 +17,10 @@ from typing import Any
 from xml.etree.ElementTree import Element, SubElement, indent, register_namespace, tostring
 
 from triaxis.fpga.board_build import PART, VIVADO
-from triaxis.fpga.dsp_count import compiled
 from triaxis.golden.errors import InputError
 from triaxis.golden.outputs import make_folder, write_whole
 from triaxis.sim.paths import DUT, mesh_sources, rtl_sources
+from triaxis.sim.slang import compiled
 
 VENDOR, LIBRARY = "triaxis", "geometry"
 PACKAGE_SCRIPT = VIVADO / "package_ip.tcl"

@@ -17,8 +17,9 @@ from triaxis.sim.paths import DUT
 from triaxis.sim.toolchain import verilator
 
 _LISTING = ".f"
-# What RTL reads in.
-_READ = re.compile(r'^(?!\s*//).*(?:`include\s+|\$readmem[bh]\s*\(\s*)"([^"]*)"', re.MULTILINE)
+# What RTL reads in, on lines that are more than a comment.
+_LINE = re.compile(r"^(?!\s*//).*", re.MULTILINE)
+_READ = re.compile(r'(?:`include\s+|\$readmem[bh]\s*\(\s*)"([^"]*)"')
 _RTL_SUFFIXES = (".sv", ".svh", ".v", ".vh", _LISTING)
 
 
@@ -49,7 +50,8 @@ def rtl_files(dut: Path = DUT) -> list[Path]:
                 raise InputError(f"{listing}: {entry}: must be a file of RTL in {dut}")
     names = {path.name for path in found}
     for path in found:
-        for name in _READ.findall(path.read_text(encoding="utf-8")):
+        lines = _LINE.findall(path.read_text(encoding="utf-8"))
+        for name in (name for line in lines for name in _READ.findall(line)):
             if name not in names:
                 raise InputError(f"{path}: {name}: must be a file of RTL in {dut}")
     return found
@@ -94,11 +96,15 @@ def built(place: Path, files: Sequence[Path], settings: Sequence[str], make: Cal
 
 
 def run_tool(command: Sequence[str], folder: Path, what: str) -> None:
-    """Run a build command; raise InputError with the first error line where it fails."""
+    """Run a build command in a folder; raise InputError with the first error line where it fails.
+
+    In the folder of what is built nothing lies about that a tool would take without being told to.
+    """
     log = folder / "build.log"
     with log.open("a") as output:
         status = subprocess.run(
             command,
+            cwd=folder,
             stdout=output,
             stderr=subprocess.STDOUT,
             env=verilator().environment(),

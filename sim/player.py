@@ -84,13 +84,6 @@ class Player:
         if hasattr(self, "model"):
             self.free()
 
-    def unload(self) -> None:
-        """Free the model, and unload the library: thousands of them would be too many."""
-        import _ctypes
-
-        self.free()
-        _ctypes.dlclose(self.library._handle)
-
     def write_coverage(self, file: Path) -> None:
         """Write what the model's counters have counted since its first clock in reset; none, nothing."""
         if not hasattr(self.library, "triaxis_coverage"):

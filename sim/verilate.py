@@ -4,6 +4,7 @@ A `Build` says what varies. Verilator's make files are not used: they compile it
 for each model, which is most of a small build.
 """
 
+import re
 import subprocess
 import sys
 from collections.abc import Mapping, Sequence
@@ -170,6 +171,8 @@ class Build:
 
 _ARITHMETIC = SIM / "arithmetic.h"
 _DEFINES = "defines.h"
+# What Verilator read, in its list of files: each with its size and times.
+_SOURCE = re.compile(r'^S .*"([^"]*)"$', re.MULTILINE)
 _PLAYERS = (SIM / "player.h", _ARITHMETIC, SIM / "counters" / "verilated_cov.h")
 
 
@@ -201,9 +204,22 @@ def verilate(build: Build, jobs: int = 2) -> Path:
         print(f"building {build.kind} (once) ..", file=sys.stderr, flush=True)
         (partial / "obj").mkdir()
         run_tool(verilate_command(build, partial / "obj"), partial, build.kind)
+        _check_read(build, partial / "obj")
         compile_model(build, partial / "obj", partial, jobs)
 
     return built(BUILD / build.form.value / build.kind, build.files, (build.hashed,), make)
+
+
+def _check_read(build: Build, model: Path) -> None:
+    """Raise InputError where Verilator read a file that the name of a build does not change with."""
+    listed = (model / f"{PREFIX}__verFiles.dat").read_text(encoding="utf-8")
+    root, known = _include().parent.resolve(), {file.resolve() for file in build.files}
+    for name in _SOURCE.findall(listed):
+        path = Path(name).resolve()
+        if path not in known and not path.is_relative_to(root):
+            raise InputError(
+                f"{build.kind}: build failed: {path} is read, and must be a file of RTL in {build.dut}"
+            )
 
 
 def product(build: Build) -> str:

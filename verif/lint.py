@@ -14,7 +14,6 @@ from typing import Any
 
 from triaxis.fpga.board_build import TOP as BOARD
 from triaxis.fpga.board_build import bitstream_sources
-from triaxis.fpga.dsp_count import compiled
 from triaxis.fpga.gowin_timing import HARNESS as TIMING_HARNESS
 from triaxis.fpga.gowin_timing import TOP as TIMING_TOP
 from triaxis.fpga.register_block import REGISTERS_RTL, SOC_RTL
@@ -24,6 +23,7 @@ from triaxis.sim.board_parameters import BoardParameters
 from triaxis.sim.configuration import Configuration
 from triaxis.sim.mesh_configuration import MeshConfiguration
 from triaxis.sim.paths import BUILD, DUT, ROOT, VERIF, board_sources, mesh_sources, rtl_sources
+from triaxis.sim.slang import compiled
 from triaxis.sim.toolchain import verilator
 from triaxis.sim.verilate import elaboration
 

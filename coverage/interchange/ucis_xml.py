@@ -176,7 +176,8 @@ class _Document:
 
 def _source(model: CoverModel[Any]) -> str:
     """Return the file that defines a model, as far as it says."""
-    return f"{model.sources[0].parent.name}/{model.sources[0].name}" if model.sources else model.name
+    modules = model.sources.modules
+    return f"{modules[0].removeprefix('triaxis.').replace('.', '/')}.py" if modules else model.name
 
 
 def _flag(value: bool) -> str:

@@ -37,4 +37,5 @@ def samples(
         waits = rng.integers(0, 12, (2, len(facts)), np.uint8)
         waits *= (rng.random((2, len(facts))) < share).astype(np.uint8)
         words, none = true_words(facts, build), np.zeros(len(facts), np.uint8)
-        yield CoreSample(facts, margins[part].astype(np.int64), words, waits[0], waits[1], none)
+        clocks = start + np.arange(len(facts))
+        yield CoreSample(facts, margins[part].astype(np.int64), words, waits[0], waits[1], clocks, none)

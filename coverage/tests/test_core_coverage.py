@@ -3,7 +3,7 @@
 import numpy as np
 
 from triaxis.coverage.core_coverage import CoreCoverage
-from triaxis.coverage.core_sample import CoreSample
+from triaxis.coverage.core_sample import CoreSample, CoreView
 from triaxis.coverage.report import report
 from triaxis.coverage.tests.core_samples import true_words
 from triaxis.golden.bulk import bulk_facts
@@ -22,13 +22,14 @@ WITH_MARGINS = Configuration(16, 16)
 
 
 def sampled(pairs, margins, words=None, build=WITH_MARGINS):
-    """Coverage of pairs, answered truly unless words are given, without waits."""
+    """Coverage of pairs, answered truly unless words are given, without waits, one each clock."""
     facts = bulk_facts(np.array(pairs), np.array(margins))
     waits = np.zeros(len(facts), np.uint8)
     coverage = CoreCoverage(build)
     answers = true_words(facts, build) if words is None else np.array(words, np.uint16)
     none = np.zeros(len(answers), np.uint8)
-    coverage.sample(CoreSample(facts, np.array(margins), answers, waits, waits, none))
+    clocks = np.arange(len(facts))
+    coverage.sample(CoreSample(facts, np.array(margins), answers, waits, waits, clocks, none))
     return coverage
 
 
@@ -44,6 +45,19 @@ def test_a_point_above_a_triangle_is_decided_by_its_normal():
         "penetrating / A triangle / B point / m > 0": 1,
     }
     assert hit_bins(coverage, "succession") == {"after near / clear by other axis": 1}
+
+
+def test_pairs_in_a_row_follow_one_another_clock_by_clock():
+    pair = [[[1, 1, 9]] * 3] * 2
+    margins = np.zeros(12, np.int64)
+    facts = bulk_facts(np.array([pair] * 12), margins)
+    waits_in, waits_out = np.zeros((2, 12), np.uint8)
+    # Three, of which the last has waited; then seven; then two, a clock later.
+    waits_in[0], waits_out[2] = 1, 3
+    clocks = np.array([0, 1, 5, *range(6, 13), 14, 15])
+    words, none = true_words(facts, WITH_MARGINS), np.zeros(12, np.uint8)
+    view = CoreView(WITH_MARGINS, CoreSample(facts, margins, words, waits_in, waits_out, clocks, none))
+    assert view.runs.tolist() == [1, 7, 2]
 
 
 def test_a_core_without_the_last_axes_sees_only_what_it_can():

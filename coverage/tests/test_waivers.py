@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from triaxis.coverage.core_coverage import core_model
-from triaxis.coverage.core_proofs import CATEGORIES as PROOFS
+from triaxis.coverage.core_exclusions import ARGUMENTS
 from triaxis.coverage.cover_model import Kind
 from triaxis.coverage.waiver_upkeep import other_rtl, waiver_problems, waiver_records
 from triaxis.coverage.waivers import (
@@ -171,7 +171,7 @@ def test_every_exclusion_is_illegal_proved_owned_and_of_some_bin(core):
         used = {id(one.exclusion) for one in item.bins}
         for exclusion in item.exclusions:
             assert exclusion.kind is Kind.ILLEGAL
-            assert exclusion.category in PROOFS and exclusion.owner and len(exclusion.reason) > 30
+            assert exclusion.category in ARGUMENTS and exclusion.owner and len(exclusion.reason) > 30
             assert id(exclusion) in used, f"{item.name}: excludes no bin: {exclusion.reason}"
             file, _, test = exclusion.test.partition("::")
             assert f"def {test}(" in (ROOT / file).read_text()

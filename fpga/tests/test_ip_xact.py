@@ -7,11 +7,11 @@ from xml.etree import ElementTree
 
 import pytest
 
-from triaxis.fpga.dsp_count import compiled
 from triaxis.fpga.ip_xact import PACKAGE_SCRIPT, TOPS, component, write_component
 from triaxis.golden.errors import InputError
 from triaxis.host.cli import main
 from triaxis.sim.paths import DUT
+from triaxis.sim.slang import compiled
 
 NAMES = {"i": "http://www.accellera.org/XMLSchema/IPXACT/1685-2014"}
 CONFIGURATIONS = {

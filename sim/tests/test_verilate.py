@@ -35,6 +35,7 @@ from triaxis.sim.verilate import (
     SAIF,
     VCD,
     compiler,
+    library,
     runtime,
     verilate_command,
 )
@@ -81,13 +82,25 @@ def test_a_folder_of_rtl_that_is_a_link_is_refused(dut, tmp_path):
         rtl_hash(dut)
 
 
-@pytest.mark.parametrize("line", ['`include "table.inc"', 'initial $readmemh("table.hex", table);'])
+_TWO = '`include "triaxis_stage.svh" `include "table.inc" `include "triaxis_stage.svh"'
+
+
+@pytest.mark.parametrize("line", ['`include "table.inc"', _TWO, 'initial $readmemh("table.hex", table);'])
 def test_rtl_that_reads_what_is_not_hashed_is_refused(dut, line):
     (dut / "core" / "triaxis_extent.sv").open("a").write(f"// {line}\n")
     rtl_hash(dut)
     (dut / "core" / "triaxis_extent.sv").open("a").write(f"{line}\n")
     with pytest.raises(InputError, match=r"triaxis_extent\.sv: table\.\w+: must be a file of RTL"):
         rtl_hash(dut)
+
+
+@pytest.mark.simulator
+def test_what_verilator_reads_beside_what_is_hashed_is_refused(dut):
+    (dut / "core" / "table.inc").write_text("\n")
+    (dut / "core" / "triaxis_extent.sv").open("a").write('`define TABLE "table.inc"\n`include `TABLE\n')
+    rtl_hash(dut)
+    with pytest.raises(InputError, match=r"core/table\.inc is read, and must be a file of RTL in"):
+        library(core_build(Configuration(8, 0), dut))
 
 
 @pytest.mark.parametrize("taken_back", [False, True])

@@ -1,15 +1,13 @@
-"""What all tests of the board share: its environment, a host that keeps to no rule but the test's."""
+"""What all tests of the board share: its builds, a host that keeps to no rule but the test's."""
 
 import struct
-from pathlib import Path
 
 import numpy as np
-from pyuvm import uvm_env, uvm_subscriber
 
-from triaxis.coverage.board_coverage import BoardCoverage, Happened
 from triaxis.golden.pairs import coordinate_range
 from triaxis.sim.mesh_engine import NO_ZONES, Trial
-from triaxis.verif.board.line_agent import Act, BoardBfm, LineAgent, LineItem, Until
+from triaxis.verif.board.env import BoardEnv
+from triaxis.verif.board.line_agent import Act, BoardBfm, LineItem, Until
 from triaxis.verif.board.pin_agents import PinBoardBfm
 from triaxis.verif.board.protocol import (
     HEAD,
@@ -25,12 +23,22 @@ from triaxis.verif.board.protocol import (
     framed,
     load_payload,
 )
-from triaxis.verif.board.scoreboard import BoardScoreboard
 from triaxis.verif.mesh.expectation import ATTEMPTS
 from triaxis.verif.mesh.items import WHICHES
-from triaxis.verif.testbench.environment import EnvironmentTest, ItemsSequence, create, settings_of
-from triaxis.verif.testbench.settings import coverage_file
+from triaxis.verif.testbench.environment import EnvironmentTest, ItemsSequence, create
 
+# Coordinates with bits above them in their bytes, and more near pairs than the displays can show.
+BOARD = "board_w12_m5_d128_g8_l4"
+# The same, with a core that shows no "clear" again.
+PLAIN = "board_w12_m5_d128_g8_l4_plain"
+# The sizes that ship, as `fpga.board_build.SIGNED_OFF` has them, with the environment's short times, and the
+# top's own: then a byte takes 83 clocks, and the watchdog ten million.
+SHIPPED, REAL = "board_w16_m16_d4096_g8_l8", "board_w16_m16_d4096_g8_l8_real"
+# Why one seed is enough for most tests.
+ONE_SEED = "One: what it sends is the same with every seed, but for places and moments."
+
+# Clocks after which what was done on the line or with the button shows.
+SHORT = 200
 # Clocks after the last item in which anything too many would show.
 _SURPLUS_CYCLES = 6000
 # In which the number is in decimal; before that and after it all eight digits are shown.
@@ -38,39 +46,6 @@ _DECIMAL_CYCLES = 60
 # Between triangles of `comb`.
 _PITCH = 8
 SESSION = 0x11DBC022
-
-
-class BoardCoverageSubscriber(uvm_subscriber):
-    """Counts bins of the board's coverage model, and writes them at the end."""
-
-    def build_phase(self) -> None:
-        """Start with empty counts."""
-        self.coverage = BoardCoverage()
-        self.happened: list[Happened] = []
-
-    def write(self, tt: Happened) -> None:  # pyright: ignore[reportIncompatibleMethodOverride]
-        """Take what happened."""
-        self.happened.append(tt)
-
-    def report_phase(self) -> None:
-        """Write the counts."""
-        self.coverage.sample(self.happened)
-        self.coverage.counts.save(coverage_file(Path(settings_of(self).folder)))
-
-
-class BoardEnv(uvm_env):
-    """Everything around the board."""
-
-    def build_phase(self) -> None:
-        """Make the parts."""
-        self.line = create(LineAgent, "line", self)
-        self.scoreboard = create(BoardScoreboard, "scoreboard", self)
-        self.coverage = create(BoardCoverageSubscriber, "coverage", self)
-
-    def connect_phase(self) -> None:
-        """Connect the monitor to the scoreboard, and that to coverage."""
-        self.line.monitor.ap.connect(self.scoreboard.seen_export)
-        self.scoreboard.checked_port.connect(self.coverage.analysis_export)
 
 
 class BoardTest(EnvironmentTest):
@@ -129,7 +104,7 @@ class BoardTest(EnvironmentTest):
         await ItemsSequence([item]).start(self.env.line.sequencer)
         return item.replies
 
-    async def silent(self, data: bytes = b"", act: Act = Act.NONE, clocks: int = 0, gap: int = 200) -> None:
+    async def silent(self, data: bytes = b"", act: Act = Act.NONE, clocks: int = 0, gap: int = SHORT) -> None:
         """Put bytes on the line that nobody answers."""
         await self.line(data, Until.SENT, gap + clocks, act, clocks)
 
@@ -167,6 +142,11 @@ class BoardTest(EnvironmentTest):
         """Look at the displays."""
         await self.clocks(2 * 8 * self.parameters.digit_clocks + _DECIMAL_CYCLES)
         self.env.scoreboard.check_digits()
+
+    async def pressed(self) -> None:
+        """Press the button; take the board again."""
+        await self.line(act=Act.RESET, clocks=int(self.rng.integers(1, 9)), until=Until.NOW)
+        await self.hello()
 
     # --- Commands -----------------------------------------------------------------------------------------
 

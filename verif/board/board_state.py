@@ -82,7 +82,8 @@ class Run:
     """The last run, or none. ``written``: near pairs in the ring at least, ``ended``: clock or 0.
 
     ``fails``: a check fails in it, by its end, where nothing ends it before; ``may_fail``: one may, at any
-    clock of it. ``persists``: it fails for as long as it goes on.
+    clock of it. ``comes``: it comes to what it tries, where nothing ends it before. ``persists``: it fails
+    for as long as it goes on.
     ``scrub_finds``: one fails after it. ``hold``: for how long it permits, in the board's units; 0: without
     an end. ``margins``: how wide the zones are, from the innermost; ``found``: the outer ones in which any
     pair is, bits of slow and warn. ``taken``: near pairs that were read, by their number.
@@ -103,6 +104,7 @@ class Run:
     cut_off: bool = False
     fails: bool = False
     may_fail: bool = False
+    comes: bool = False
     persists: bool = False
     scrub_finds: bool = False
     # It began while a fault stood.

@@ -281,7 +281,7 @@ class BoardReference:
         kind, which = Trial(run.tries[0]), run.tries[1]
         if run.spoiled:
             self._happened("board_faults", "a run while it stands")
-        elif kind != Trial.NOTHING:
+        elif kind != Trial.NOTHING and run.comes and (self.fault or not run.maybe_aborted):
             self._happened("board_trials", f"{kind.name} {which}")
             # An error that nobody took back hides it.
             if not self.in_doubt:
@@ -641,7 +641,7 @@ class BoardReference:
         """Make out what comes of what a run tries."""
         run.spoiled = self.fault
         if Trial(run.tries[0]) in _FAILS_AFTER:
-            run.fails = run.persists = True
+            run.fails = run.persists = run.comes = True
             after = _FAILS_AFTER[Trial(run.tries[0])]
             self._at(self.clock + after, lambda _: self._fail() if self.run is run else None)
         else:
@@ -651,6 +651,7 @@ class BoardReference:
             observed = ObservedRun(RunAccepted(request), a, b, no, no)
             outcome = tried(observed, run.answer, self.parameters.engine)
             run.answer, run.fails, run.may_fail = outcome.answer, outcome.fails, outcome.may_fail
+            run.comes = outcome.comes
             run.scrub_finds = scrub_finds(observed)
 
     def _expect_end(self, run: Run) -> None:

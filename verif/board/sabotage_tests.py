@@ -8,8 +8,8 @@ import numpy as np
 
 from triaxis.sim.simulated_board import BEAT, BEGIN, LIT, PINS, RX, TX
 from triaxis.verif.board.board_state import BEYOND
+from triaxis.verif.board.go_tests import BoardSmokeTest
 from triaxis.verif.board.line_agent import LineMonitor, Seen
-from triaxis.verif.board.uvm_tests import BoardSmokeTest
 from triaxis.verif.testbench.sabotage import lie_about
 
 _GO, _STOP = 0b101, 0b1010

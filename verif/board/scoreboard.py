@@ -10,7 +10,7 @@ from triaxis.sim.simulated_board import BEAT, BEGIN, LIT, PINS, RESET, RX, RX_BR
 from triaxis.verif.board.line_agent import Seen
 from triaxis.verif.board.reference import REPLIED, BoardReference
 from triaxis.verif.testbench.environment import CountingScoreboard, Export, settings_of
-from triaxis.verif.testbench.failures import Blame, found
+from triaxis.verif.testbench.failures import Blame, report_failure
 from triaxis.verif.testbench.reports import ERROR, report
 
 # How many failures are described in full.
@@ -56,7 +56,7 @@ class BoardScoreboard(CountingScoreboard):
     def fail(self, what: str) -> None:
         """Note that something is wrong."""
         self.failed += 1
-        found(what, self.reference.replies)
+        report_failure(what, self.reference.replies)
         if len(self.failures) < _DESCRIBED:
             self.failures.append((what, self.reference.clock))
 

@@ -23,9 +23,9 @@ from triaxis.verif.faults.faulty_rtl import faulty_rtl
 from triaxis.verif.faults.known_faults import Kind, fault_of
 from triaxis.verif.regress.definition import in_checkout
 from triaxis.verif.testbench.golden_sample import MOST_SELDOM
-from triaxis.verif.testbench.settings import BURST, PIN, VERBOSITIES, VERILATOR, Block
+from triaxis.verif.testbench.settings import BURST, PIN, REPLAY, VERBOSITIES, VERILATOR, Block
 from triaxis.verif.testbench.simulation import RunResult, run_settings
-from triaxis.verif.testbench.table import REPLAY, check_test_fits, check_test_name, names_of, table
+from triaxis.verif.testbench.table import check_test_fits, check_test_name, names_of, table
 from triaxis.verif.testbench.waves import WAVES, check_waves
 
 _USUAL = "w16_m0"

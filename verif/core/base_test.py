@@ -14,7 +14,7 @@ from triaxis.verif.core.items import FULL_SPEED, BurstItem, Pace, PairBatch, Res
 from triaxis.verif.core.stimulus.families import FAMILIES, mixed
 from triaxis.verif.testbench.environment import EnvironmentTest, ItemsSequence, create
 from triaxis.verif.testbench.failures import HungError
-from triaxis.verif.testbench.trials import planned
+from triaxis.verif.testbench.trials import in_trials
 
 # Clocks without a beat on either stream after which the core is taken to hang: no pace pauses so long.
 _PATIENCE_CYCLES = 5000
@@ -38,7 +38,7 @@ class CoreTest(EnvironmentTest):
         """Make the environment."""
         super().build_phase()
         self.env = create(CoreEnv, "env", self)
-        if planned():
+        if in_trials():
             self._warm_up()
 
     def _warm_up(self) -> None:
@@ -65,8 +65,8 @@ class CoreTest(EnvironmentTest):
         await self.stimulus()
         await self.drain()
         watchdog.cancel()
-        board = self.env.scoreboard
-        board.sent, board.resets_sent = self.env.source.driver.next_tag, self.resets
+        scoreboard = self.env.scoreboard
+        scoreboard.sent, scoreboard.resets_sent = self.env.source.driver.next_tag, self.resets
 
     async def send(self, sequence: uvm_sequence) -> None:
         """Run a sequence on the input agent."""

@@ -20,7 +20,7 @@ from triaxis.sim.player import HANGS
 from triaxis.verif.core.items import FULL_SPEED, BurstItem, Pace, PairBatch, ResetSeen, ResultBatch
 from triaxis.verif.core.pin_agents import ReadyDriver, SinkMonitor, SourceDriver, SourceMonitor, check_margins
 from triaxis.verif.testbench.environment import bfm_of, settings_of
-from triaxis.verif.testbench.failures import HungError, found
+from triaxis.verif.testbench.failures import HungError, report_failure
 from triaxis.verif.testbench.fast_model import FastModel
 
 # Runs on and off that are drawn for a pace; the model uses them over and over.
@@ -89,7 +89,7 @@ class BurstBfm(FastModel[CorePlayer]):
         self.wake()
         await self._over.wait()
         if self._accepted < count:
-            found(HANGS)
+            report_failure(HANGS)
             raise HungError(
                 f"{self._accepted} of {count} pairs accepted in {budget} clocks, the budget of this burst:"
                 " the core hangs"

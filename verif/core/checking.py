@@ -22,7 +22,7 @@ from triaxis.sim.configuration import Configuration
 from triaxis.sim.result import claimed_axes, decode
 from triaxis.verif.core.expectation import expected_words, tried_words
 from triaxis.verif.core.items import Integers, PairBatch, ResultBatch
-from triaxis.verif.testbench.failures import Blame, found
+from triaxis.verif.testbench.failures import Blame, report_failure
 from triaxis.verif.testbench.golden_sample import EVERYTHING, GoldenSample, Share
 
 # Failures described in full; beyond that they are only counted.
@@ -98,7 +98,15 @@ class Checker:
         self.checked += len(pairs)
         self._before = self._until(pairs, len(pairs))
         self._on_checked(
-            CoreSample(facts, pairs.margins, results.words, pairs.waits, results.waits, self._attempts)
+            CoreSample(
+                facts,
+                pairs.margins,
+                results.words,
+                pairs.waits,
+                results.waits,
+                results.clocks,
+                self._attempts,
+            )
         )
 
     def _tags(self, pairs: PairBatch) -> tuple[Integers, npt.NDArray[np.uint8]]:
@@ -155,7 +163,7 @@ class Checker:
         self._failing.add(i)
         until = self.checked + i + 1
         self.until_failure = min(self.until_failure or until, until)
-        found(message, until)
+        report_failure(message, until)
         if len(self.failures) >= DESCRIBED:
             return
         context, margins = self._until(pairs, i)

@@ -15,7 +15,7 @@ from triaxis.verif.core.checking import DESCRIBED, Checker, Failure
 from triaxis.verif.core.failing_pairs import write_failing_pairs
 from triaxis.verif.core.items import PairBatch, ResetSeen, ResultBatch
 from triaxis.verif.testbench.environment import WORKER, CountingScoreboard, Export, settings_of
-from triaxis.verif.testbench.failures import Blame, found
+from triaxis.verif.testbench.failures import Blame, report_failure
 from triaxis.verif.testbench.reports import ERROR, report
 from triaxis.verif.testbench.settings import failure_file
 
@@ -130,7 +130,7 @@ class Matcher:
 
     def _fail(self, failure: Failure, count: int = 1) -> None:
         self.failed += count
-        found(failure.message, self.matched)
+        report_failure(failure.message, self.matched)
         if len(self.failures) < DESCRIBED:
             self.failures.append(failure)
 

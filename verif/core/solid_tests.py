@@ -13,7 +13,7 @@ from triaxis.verif.testbench.table import Runs, listed
     Runs(USUAL, 20_000, 1000, seeds=2, smoke=("w16_m0",)),
     why_seeds="Two: the second hits one more bin, the third none.",
 )
-class MeshTest(CoreTest):
+class SolidsTest(CoreTest):
     """Facet pairs of real solids that come close: tool holder and end mill, vise and workpiece."""
 
     async def stimulus(self) -> None:

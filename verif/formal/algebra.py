@@ -12,10 +12,8 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
 from triaxis.verif.formal.definition import MARGIN, ONE, Polynomial, variable
-from triaxis.verif.formal.netlist import Bit, Cell, Netlist, NetlistError
+from triaxis.verif.formal.netlist import REGISTERS, Bit, Cell, Netlist, NetlistError
 from triaxis.verif.testbench.rtl_package import Package
-
-_REGISTERS = ("$dff", "$aldff")
 
 
 @dataclass(frozen=True)
@@ -51,7 +49,7 @@ class DataPath:
     def registers(self) -> set[str]:
         """Return the names of the registers passed so far, of the netlist's cells."""
         drivers = (self._netlist.drivers.get(bit) for bit in self._origins)
-        return {driver[0].name for driver in drivers if driver and driver[0].kind in _REGISTERS}
+        return {driver[0].name for driver in drivers if driver and driver[0].kind in REGISTERS}
 
     # --- Bits ---------------------------------------------------------------------------------------
 
@@ -73,11 +71,9 @@ class DataPath:
     def _register(self, bit: Bit) -> Bit | None:
         """Return the bit that a register took at the last clock, None where the bit is no register."""
         driver = self._netlist.drivers.get(bit)
-        if driver is None or driver[0].kind not in _REGISTERS:
+        if driver is None or driver[0].kind not in REGISTERS:
             return None
         cell, _, place = driver
-        if not cell.parameters["CLK_POLARITY"]:
-            raise NetlistError(f"{cell.name}: a register at the wrong edge")
         data = cell.ports["D"][place]
         selecting = self._netlist.drivers.get(data)
         if selecting is None or selecting[0].kind != "$mux":
@@ -147,6 +143,20 @@ class DataPath:
             self.exact(bits[place * size : (place + 1) * size], f"{cell.name}.{port}")
             for place in range(count)
         ]
+
+    def output(self, bits: Sequence[Bit], kind: str, port: str) -> tuple[Cell, int] | None:
+        """Return the cell of that kind whose output the bits are, from its lowest on, and the clocks since.
+
+        None where they are none, or of several clocks.
+        """
+        origins = [self.origin(bit) for bit in bits]
+        drivers = [self._netlist.drivers.get(source) for source, _ in origins]
+        cell = drivers[0][0] if drivers[0] else None
+        if cell is None or cell.kind != kind:
+            return None
+        clocks = {age for _, age in origins}
+        whole = [(cell, port, place) for place in range(len(cell.ports.get(port, ())))]
+        return (cell, clocks.pop()) if drivers == whole and len(clocks) == 1 else None
 
     def _check_fits(self, word: Word, where: str) -> None:
         extent = word.polynomial.extent(self._width)

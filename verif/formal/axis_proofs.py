@@ -14,14 +14,13 @@ The closed modules (products of two numbers, thresholds, interval and box tests,
 their own, at the latencies that are used here.
 """
 
-import shutil
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 from itertools import product
 from pathlib import Path
 
-from triaxis.golden.errors import InputError
+from triaxis.golden.axes import BOX_AXES
 from triaxis.sim.configuration import Configuration
 from triaxis.sim.packing import COORDINATES
 from triaxis.verif.formal.algebra import DataPath, Inputs, Word
@@ -41,18 +40,17 @@ from triaxis.verif.formal.definition import (
     variable,
 )
 from triaxis.verif.formal.netlist import Bit, Cell, Netlist, NetlistError, elaborate
-from triaxis.verif.formal.proof import Finding, Proof
+from triaxis.verif.formal.proof import Finding, Proof, prove_each
 from triaxis.verif.testbench.rtl_package import Package
 
-CLOSED = (
+_CLOSED = (
     "triaxis_mul", "triaxis_threshold", "triaxis_interval", "triaxis_box", "triaxis_flags", "triaxis_verdict",
 )  # fmt: skip
 
-_BOXES = 3
 _VERDICT_BITS = 9
 
 
-class AxisProof:
+class _AxisProof:
     """Compares the closed modules' inputs with the definition. Raises NetlistError where they differ."""
 
     def __init__(self, netlist: Netlist, inputs: Inputs, core: Configuration, dut: Path) -> None:
@@ -88,7 +86,7 @@ class AxisProof:
     def _parameters(self) -> None:
         """Prove that the closed modules are built for the core's width and margin, registered all or none."""
         wanted = {"W": self._core.width, "M": self._core.margin_bits}
-        closed = [cell for cell in self._netlist.cells if cell.kind in CLOSED]
+        closed = [cell for cell in self._netlist.cells if cell.kind in _CLOSED]
         for cell in closed:
             for name, value in wanted.items():
                 if cell.parameters.get(name, value) != value:
@@ -108,10 +106,10 @@ class AxisProof:
         """Prove that a bit tests the axis of that number; return its age."""
         source, age = self._path.origin(bit)
         driver = self._netlist.drivers.get(source)
-        kind = "triaxis_box" if number < _BOXES else "triaxis_interval"
+        kind = "triaxis_box" if number < BOX_AXES else "triaxis_interval"
         if driver is None or driver[0].kind != kind:
             raise NetlistError(f"axis {number}: its bit comes from no {kind}")
-        test = self._box if number < _BOXES else self._interval
+        test = self._box if number < BOX_AXES else self._interval
         return age + test(driver[0], axes()[number])
 
     def _box(self, cell: Cell, axis: Axis) -> int:
@@ -146,14 +144,10 @@ class AxisProof:
             if set(bits) - {"0", "x"}:
                 raise NetlistError(f"{cell.name}: a threshold without margins")
             return
-        origins = [self._path.origin(bit) for bit in bits]
-        drivers = [self._netlist.drivers.get(source) for source, _ in origins]
-        source = drivers[0][0] if drivers[0] else None
-        whole = len(source.ports.get("threshold_o", ())) if source else 0
-        expected = [(source, "threshold_o", place) for place in range(whole)]
-        late = {clocks for _, clocks in origins}
-        if source is None or source.kind != "triaxis_threshold" or drivers != expected or len(late) != 1:
+        found = self._path.output(bits, "triaxis_threshold", "threshold_o")
+        if found is None:
             raise NetlistError(f"{cell.name}: its threshold is not one of triaxis_threshold")
+        source, late = found
         components = self._path.elements(source, "axis_i", source.parameters["Components"])
         margin = self._margin(source.ports["margin_i"], source.name)
         if not same_up_to_signs([word.polynomial for word in components], axis.vector):
@@ -161,7 +155,7 @@ class AxisProof:
         size = source.parameters["CWidth"]
         start = self._path.common_age(source.name, *components, margin)
         due = start + self._path.latency("threshold_latency", len(components), size, self._core.margin_bits)
-        if due + late.pop() != age:
+        if due + late != age:
             raise NetlistError(f"{cell.name}: its threshold comes at another clock than its points")
         self._room(cell, source, own, points, axis)
 
@@ -202,7 +196,7 @@ class AxisProof:
     def _box_bits(self, leaves: Iterable[Bit]) -> dict[Bit, tuple[str, int]]:
         """Return what each net of a condition is, and its age: a box axis by name, or "valid"."""
         known: dict[Bit, tuple[str, int]] = {}
-        boxes = self._only("triaxis_verdict").ports["separated_i"][:_BOXES]
+        boxes = self._only("triaxis_verdict").ports["separated_i"][:BOX_AXES]
         names = {self._path.origin(bit)[0]: f"box {number}" for number, bit in enumerate(boxes)}
         names[self._inputs.valid] = "valid"
         for leaf in leaves:
@@ -256,7 +250,7 @@ def prove_core(configuration: Configuration, dut: Path, folder: Path) -> frozens
 
     Raises NetlistError where it fails.
     """
-    netlist = elaborate(dut, "triaxis_core", configuration.parameters, CLOSED, folder)
+    netlist = elaborate(dut, "triaxis_core", configuration.parameters, _CLOSED, folder)
     width, margin = configuration.width, configuration.margin_bits
     data, user = netlist.inputs["s_axis_tdata_i"], netlist.inputs["s_axis_tuser_i"]
     bits = {
@@ -266,7 +260,7 @@ def prove_core(configuration: Configuration, dut: Path, folder: Path) -> frozens
     }
     bits |= {bit: (MARGIN, place) for place, bit in enumerate(user[:margin])}
     inputs = Inputs(bits, netlist.nets["accept"][0])
-    proof = AxisProof(netlist, inputs, configuration, dut)
+    proof = _AxisProof(netlist, inputs, configuration, dut)
     age = proof.verdict_age()
     documented = Package(dut).call("datapath_latency", width, margin)
     if age != documented:
@@ -275,7 +269,7 @@ def prove_core(configuration: Configuration, dut: Path, folder: Path) -> frozens
     return proof.registers()
 
 
-def _check_queue(proof: AxisProof, netlist: Netlist, inputs: Inputs, tag: tuple[Bit, ...], age: int) -> None:
+def _check_queue(proof: _AxisProof, netlist: Netlist, inputs: Inputs, tag: tuple[Bit, ...], age: int) -> None:
     """Prove that the queue takes the verdict, the tag and the push of one pair at one clock."""
     data = netlist.nets["u_results.data_i"]
     verdict = next(cell for cell in netlist.cells if cell.kind == "triaxis_verdict")
@@ -289,14 +283,14 @@ def _check_queue(proof: AxisProof, netlist: Netlist, inputs: Inputs, tag: tuple[
 
 def prove_detector(width: int, dut: Path, folder: Path) -> frozenset[Register]:
     """Prove the wrapper CollisionDetector; return as `prove_core`, raise NetlistError where it fails."""
-    netlist = elaborate(dut, "CollisionDetector", {"W": width}, CLOSED, folder)
+    netlist = elaborate(dut, "CollisionDetector", {"W": width}, _CLOSED, folder)
     names = [f"{triangle}{vertex}_{k}" for triangle in "AB" for vertex in "123" for k in "xyz"]
     bits = {
         bit: (number, place)
         for number, name in zip(range(VARIABLES), names, strict=True)
         for place, bit in enumerate(netlist.inputs[name])
     }
-    proof = AxisProof(netlist, Inputs(bits, "1"), Configuration(width), dut)
+    proof = _AxisProof(netlist, Inputs(bits, "1"), Configuration(width), dut)
     proof.verdict_age()
     verdict = next(cell for cell in netlist.cells if cell.kind == "triaxis_verdict")
     if netlist.outputs["CollisionOccurs"] != verdict.ports["verdict_o"][:1]:
@@ -313,23 +307,11 @@ class AxesProof(Proof):
 
     def attempt(self, dut: Path, folder: Path) -> Finding:
         """Prove all of them; see `Proof`."""
-        if folder.exists():
-            shutil.rmtree(folder)
         jobs: dict[str, Callable[[Path], frozenset[Register]]] = {
             one.name: partial(prove_core, one, dut) for one in self.configurations
         }
         jobs |= {f"detector_w{width}": partial(prove_detector, width, dut) for width in self.detectors}
-        problems, undecided = [], []
-        passed: frozenset[Register] = frozenset()
-        for name, job in jobs.items():
-            try:
-                passed |= job(folder / name)
-            except NetlistError as error:
-                problems.append(f"{self.name}: {name}: {error}")
-            except InputError as error:
-                undecided.append(f"{self.name}: {name}: {error}")
-        facts = {"netlists": len(jobs)}
-        return Finding(tuple(problems), folder, facts, tuple(undecided), registers=passed)
+        return prove_each(self.name, jobs, folder)
 
 
 def axes_proof(

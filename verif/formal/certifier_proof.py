@@ -14,14 +14,12 @@ The closed modules (products of two numbers, threshold, comparison) have proofs 
 that are used here.
 """
 
-import shutil
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
-from functools import cache
+from dataclasses import dataclass, replace
+from functools import cache, partial
 from pathlib import Path
 
 from triaxis.golden.axes import NUM_AXES
-from triaxis.golden.errors import InputError
 from triaxis.golden.pairs import MAX_WIDTH, MIN_WIDTH
 from triaxis.sim.configuration import Configuration
 from triaxis.verif.formal.algebra import DataPath, Inputs, Word
@@ -37,7 +35,7 @@ from triaxis.verif.formal.definition import (
 )
 from triaxis.verif.formal.netlist import Bit, Cell, Netlist, NetlistError, elaborate
 from triaxis.verif.formal.pieces import shapes
-from triaxis.verif.formal.proof import Finding, Proof
+from triaxis.verif.formal.proof import Finding, Proof, prove_each
 from triaxis.verif.testbench.rtl_package import Package
 
 _TOP = "triaxis_certifier"
@@ -94,8 +92,6 @@ class _Control:
 
     def _driven(self, cell: Cell, place: int) -> _Level:
         if cell.kind == "$dff":
-            if not cell.parameters["CLK_POLARITY"]:
-                raise NetlistError(f"{cell.name}: a register at the wrong edge")
             self.registers.add(cell.name)
             before = self.level(cell.ports["D"][place])
             return _Level(before.value, None if before.age is None else before.age + 1)
@@ -260,13 +256,10 @@ class _CertifierProof:
             if set(bits) != {"0"}:
                 raise NetlistError(f"{cell.name}: a reach without margins")
             return
-        origins = [self._path.origin(bit) for bit in bits]
-        drivers = [self._netlist.drivers.get(source) for source, _ in origins]
-        source = drivers[0][0] if drivers[0] else None
-        whole = len(source.ports.get("reach_o", ())) if source else 0
-        late = {clocks for _, clocks in origins}
-        if source is None or drivers != [(source, "reach_o", place) for place in range(whole)]:
+        found = self._path.output(bits, "triaxis_reach", "reach_o")
+        if found is None:
             raise NetlistError(f"{cell.name}: its reach is not that of triaxis_reach")
+        source, late = found
         components = self._path.elements(source, "axis_i", 3)
         if not same_up_to_signs([word.polynomial for word in components], axes()[self._number].vector):
             raise NetlistError(f"{source.name}: not the components of the axis")
@@ -275,7 +268,7 @@ class _CertifierProof:
             raise NetlistError(f"{source.name}: not the margin")
         start = self._path.common_age(source.name, *components, margin)
         due = start + self._package.call("reach_latency", self._built.width, self._built.margin_bits)
-        if late != {age - due}:
+        if due + late != age:
             raise NetlistError(f"{cell.name}: its reach comes at another clock than its projections")
 
     def _room(self, cell: Cell) -> None:
@@ -342,19 +335,12 @@ class CertificateProof(Proof):
 
     def attempt(self, dut: Path, folder: Path) -> Finding:
         """Prove all of them; see `Proof`."""
-        if folder.exists():
-            shutil.rmtree(folder)
-        problems, undecided = _late(Package(dut)), []
-        passed: frozenset[Register] = frozenset()
-        for one in self.configurations:
-            try:
-                passed |= prove_certifier(one, dut, folder / one.name)
-            except NetlistError as error:
-                problems.append(f"{self.name}: {one.name}: {error}")
-            except InputError as error:
-                undecided.append(f"{self.name}: {one.name}: {error}")
-        facts = {"netlists": len(self.configurations), "axes": NUM_AXES}
-        return Finding(tuple(problems), folder, facts, tuple(undecided), registers=passed)
+        late = _late(Package(dut))
+        found = prove_each(
+            self.name, {one.name: partial(prove_certifier, one, dut) for one in self.configurations}, folder
+        )
+        problems, facts = (*late, *found.problems), {**found.facts, "axes": NUM_AXES}
+        return replace(found, problems=problems, facts=facts)
 
 
 def _late(package: Package) -> list[str]:
@@ -367,16 +353,7 @@ def _late(package: Package) -> list[str]:
     ]
 
 
-# Every width with its largest margin, some without margins, and margins on a narrower multiplier.
-_CONFIGURATIONS = (
-    *(Configuration(width, width) for width in range(MIN_WIDTH, MAX_WIDTH + 1)),
-    *(Configuration(width, 0) for width in (8, 13, 16, 24, 32)),
-    Configuration(16, 8),
-    Configuration(32, 3),
-)
-
-
-def certificate(configurations: tuple[Configuration, ...] = _CONFIGURATIONS) -> Proof:
+def certificate(configurations: tuple[Configuration, ...]) -> Proof:
     """Return the proof for these configurations of the certifier."""
     return CertificateProof(
         "certificate",

@@ -160,6 +160,11 @@ def vertex(triangle: int, number: int) -> Vector:
     return variable(first), variable(first + 1), variable(first + 2)
 
 
+def vertices() -> list[Vector]:
+    """Return the three vertices of A, then those of B."""
+    return [vertex(triangle, number) for triangle in (0, 1) for number in range(3)]
+
+
 def minus(u: Vector, v: Vector) -> Vector:
     """Return u - v."""
     return u[0] - v[0], u[1] - v[1], u[2] - v[2]
@@ -208,7 +213,7 @@ def normals() -> tuple[Vector, Vector]:
 @cache
 def orientations() -> dict[tuple[int, ...], Polynomial]:
     """Return the orientation of each four of the six vertices: all zero where one plane holds all six."""
-    six = [vertex(triangle, number) for triangle in (0, 1) for number in range(3)]
+    six = vertices()
 
     def orientation(numbers: tuple[int, ...]) -> Polynomial:
         u, v, w = (minus(six[number], six[numbers[0]]) for number in numbers[1:])

@@ -1,4 +1,4 @@
-"""The elaborated core as a graph of words and registers, some modules left closed."""
+"""An elaborated module as a graph of words and registers, some modules left closed."""
 
 import json
 import shutil
@@ -12,6 +12,8 @@ from triaxis.sim.programs import read_slang, run_to_result, yosys
 
 # A bit of the netlist: the number of its net, or the constants "0", "1", "x", "z".
 Bit = int | str
+# Cells that put out at Q what was at D; others put out at Y.
+REGISTERS = ("$dff", "$aldff")
 
 
 class NetlistError(Exception):
@@ -76,9 +78,12 @@ def run_yosys(script: str, dut: Path, names: Sequence[str], folder: Path, result
 
 
 def read_netlist(top: str, module: Mapping[str, Any], boxes: Sequence[str]) -> Netlist:
-    """Return the netlist of a module as yosys writes it, the modules ``boxes`` left closed in it."""
-    outputs_of = {"$dff": ("Q",), "$aldff": ("Q",)}
+    """Return the netlist of a module as yosys writes it, the modules ``boxes`` left closed in it.
+
+    Raises NetlistError where a register takes what it holds at anything but the rising edge of clk_i.
+    """
     cells, drivers = [], {}
+    clock = module["ports"]["clk_i"]["bits"] if "clk_i" in module["ports"] else None
     for name, found in module["cells"].items():
         kind = found["type"]
         cell = Cell(
@@ -87,9 +92,11 @@ def read_netlist(top: str, module: Mapping[str, Any], boxes: Sequence[str]) -> N
             {key: _number(value) for key, value in found["parameters"].items()},
             {port: tuple(bits) for port, bits in found["connections"].items()},
         )
+        if kind in REGISTERS and not (cell.parameters["CLK_POLARITY"] and list(cell.ports["CLK"]) == clock):
+            raise NetlistError(f"{name}: a register at another edge than the rising one of clk_i")
         cells.append(cell)
         for port, bits in cell.ports.items():
-            driven = port.endswith("_o") if kind in boxes else port in outputs_of.get(kind, ("Y",))
+            driven = port.endswith("_o") if kind in boxes else port == ("Q" if kind in REGISTERS else "Y")
             if driven:
                 drivers.update({bit: (cell, port, place) for place, bit in enumerate(bits)})
     ports = {name: (port["direction"], tuple(port["bits"])) for name, port in module["ports"].items()}

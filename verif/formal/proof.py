@@ -8,7 +8,7 @@ and refuted nothing.
 import os
 import re
 import shutil
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from enum import StrEnum
 from pathlib import Path
@@ -127,6 +127,25 @@ class Proof:
     def attempt(self, dut: Path, folder: Path) -> Finding:
         """Do as `prove`; NetlistError says that it fails, InputError that nothing is decided."""
         raise NotImplementedError
+
+
+def prove_each(name: str, jobs: Mapping[str, Callable[[Path], frozenset[Register]]], folder: Path) -> Finding:
+    """Run the parts of the proof of that name, each in a folder of its own; return what came of all.
+
+    A part returns registers as `Finding` has them, and raises as `Proof.attempt` does.
+    """
+    if folder.exists():
+        shutil.rmtree(folder)
+    problems, undecided = [], []
+    passed: frozenset[Register] = frozenset()
+    for part, job in jobs.items():
+        try:
+            passed |= job(folder / part)
+        except NetlistError as error:
+            problems.append(f"{name}: {part}: {error}")
+        except InputError as error:
+            undecided.append(f"{name}: {part}: {error}")
+    return Finding(tuple(problems), folder, {"netlists": len(jobs)}, tuple(undecided), registers=passed)
 
 
 @dataclass(frozen=True)
@@ -274,3 +293,38 @@ class SbyProof(Proof):
             "assertions": model.count("; yosys-smt2-assert"),
             "covers": len(set(re.findall(r"Reached cover statement in step \d+ at \S+ (\S+)", covered))),
         }
+
+
+# The W that ships on the board: most proofs in harnesses are of it.
+WIDTH = 16
+_RESET = "a reset holds at the first clock, and from then on is asserted and released at any clocks"
+
+
+def harness_proof(
+    name: str,
+    claim: str,
+    modules: tuple[str, ...],
+    parameters: Mapping[str, int],
+    cover_depth: int,
+    assumptions: tuple[str, ...] = (),
+    *,
+    window: int | None = None,
+    beside: tuple[str, ...] = (),
+    harness: str | None = None,
+) -> SbyProof:
+    """Return a proof of the first module, in a formal harness: by induction, or over a window of clocks.
+
+    ``beside``: files of rtl/ that the harness needs. ``harness``: its module, where it is not called as the
+    first module.
+    """
+    top = harness or f"{Path(modules[0]).name}_formal"
+    packages = ["core/triaxis_pkg"]
+    packages += ["mesh/triaxis_mesh_pkg"] if modules[0].startswith(("mesh/", "board/")) else []
+    packages += ["board/triaxis_board_pkg"] if modules[0].startswith("board/") else []
+    return SbyProof(
+        name=name, claim=claim, method=Method.INDUCTION if window is None else Method.WINDOW, top=top,
+        dut_files=tuple(f"{module}.sv" for module in (*packages, *reversed(modules))),
+        formal_files=(*(f"{file}.sv" for file in beside), f"{top}.sv"), parameters=parameters,
+        assumptions=(_RESET, *assumptions) if window is None else assumptions,
+        depth=window or 1, cover_depth=cover_depth,
+    )  # fmt: skip

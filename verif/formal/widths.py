@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from itertools import combinations, product
 from pathlib import Path
 
+from triaxis.golden.axes import BOX_AXES
 from triaxis.golden.errors import InputError
 from triaxis.golden.pairs import MAX_WIDTH, MIN_WIDTH
 from triaxis.verif.formal.definition import (
@@ -21,14 +22,13 @@ from triaxis.verif.formal.definition import (
     edge,
     inner,
     minus,
+    normals,
     orientations,
     outer,
-    vertex,
+    vertices,
 )  # fmt: skip
 from triaxis.verif.formal.proof import Finding, Proof
 from triaxis.verif.testbench.rtl_package import Package
-
-_FIRST_SPACE_AXIS = 3
 
 
 @dataclass(frozen=True)
@@ -57,11 +57,10 @@ def _largest(quantity: str, polynomials: Iterable[Polynomial], degree: int) -> i
 
 def _common_vertex_products() -> list[Polynomial]:
     """Return the components of the cross products of two differences from one vertex."""
-    every = [vertex(t, v) for t in (0, 1) for v in range(3)]
     return [
         component
-        for start in every
-        for u, v in combinations([minus(end, start) for end in every if end != start], 2)
+        for start in vertices()
+        for u, v in combinations([minus(end, start) for end in vertices() if end != start], 2)
         for component in outer(u, v)
     ]
 
@@ -74,14 +73,13 @@ def _projection_differences() -> list[Polynomial]:
     """Return the differences of any two vertices' projections on the eleven axes in space."""
     return [
         inner(axis.vector, minus(u, v))
-        for axis in axes()[_FIRST_SPACE_AXIS:FIRST_PLANE_AXIS]
-        for u, v in combinations([vertex(t, n) for t in (0, 1) for n in range(3)], 2)
+        for axis in axes()[BOX_AXES:FIRST_PLANE_AXIS]
+        for u, v in combinations(vertices(), 2)
     ]
 
 
 def _differences() -> list[Polynomial]:
-    every = [vertex(t, v) for t in (0, 1) for v in range(3)]
-    return [component for u, v in combinations(every, 2) for component in minus(u, v)]
+    return [component for u, v in combinations(vertices(), 2) for component in minus(u, v)]
 
 
 def _largest_norm(vectors: Iterable[Vector]) -> int:
@@ -116,7 +114,7 @@ class WidthsProof(Proof):
         """Compare; see `Proof`."""
         folder.mkdir(parents=True, exist_ok=True)
         found = bounds()
-        norm = _largest_norm([*_edge_edge(), *(axis.vector for axis in axes()[3:5])])
+        norm = _largest_norm([*_edge_edge(), *normals()])
         edge_norm = _largest_norm(axis.vector for axis in axes()[FIRST_PLANE_AXIS:])
         problems = [
             problem

@@ -48,9 +48,9 @@ class MeshEngineTest(EnvironmentTest):
         """Run `stimulus`; a summary too many would show after it."""
         await self.stimulus()
         await self.clocks(_SURPLUS_CYCLES)
-        board, env = self.env.scoreboard, self.env
-        board.runs_sent, board.triangles_sent = env.run_agent.driver.sent, env.load.driver.sent
-        board.resets_sent = self.resets
+        scoreboard, env = self.env.scoreboard, self.env
+        scoreboard.runs_sent, scoreboard.triangles_sent = env.run_agent.driver.sent, env.load.driver.sent
+        scoreboard.resets_sent = self.resets
 
     async def send(self, scene: Scene) -> SceneSequence:
         """Load a scene and run its runs; return what was sent."""

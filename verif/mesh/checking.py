@@ -31,7 +31,7 @@ from triaxis.verif.mesh.expectation import (
 )
 from triaxis.verif.mesh.items import Integers, ObservedRun, Summary
 from triaxis.verif.mesh.sampling import row_of
-from triaxis.verif.testbench.failures import Blame, ends_at_first, found
+from triaxis.verif.testbench.failures import Blame, ends_at_first, report_failure
 
 # Failures described in full; beyond that they are only counted.
 DESCRIBED = 10
@@ -108,7 +108,7 @@ class SceneChecker:
             wrong += [(message, Blame.JUDGES) for message in self._judge(run, answers)]
         for message, blame in wrong:
             self.failed += 1
-            found(message, self.pairs)
+            report_failure(message, self.pairs)
             if len(self.failures) < DESCRIBED:
                 place = self.runs + 1, summary.clock, self.pairs
                 self.failures.append(SceneFailure(message, run, *place, blame))

@@ -54,11 +54,11 @@ class MeshEnv(uvm_env):
 
     def connect_phase(self) -> None:
         """Connect monitors to the scoreboard, the scoreboard to coverage, and stalls to the results."""
-        board = self.scoreboard
-        self.load.monitor.ap.connect(board.loads_export)
-        self.run_agent.monitor.ap.connect(board.runs_export)
-        self.results.near.ap.connect(board.near_export)
-        self.results.core.ap.connect(board.core_export)
-        self.results.summary.ap.connect(board.summaries_export)
+        scoreboard = self.scoreboard
+        self.load.monitor.ap.connect(scoreboard.loads_export)
+        self.run_agent.monitor.ap.connect(scoreboard.runs_export)
+        self.results.near.ap.connect(scoreboard.near_export)
+        self.results.core.ap.connect(scoreboard.core_export)
+        self.results.summary.ap.connect(scoreboard.summaries_export)
         self.run_agent.driver.traffic_ap.connect(self.results.ready.analysis_export)
-        board.checked_port.connect(self.coverage.analysis_export)
+        scoreboard.checked_port.connect(self.coverage.analysis_export)

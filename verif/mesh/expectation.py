@@ -61,6 +61,7 @@ class Memory(IntEnum):
 # Of trials of memories: from the one on they are tried where they are scrubbed, from the other on the
 # comparisons of the scrub itself, of both meshes: triaxis_mesh_pkg, triaxis_mesh_scrub.
 SCRUB, SCRUBBED, SCRUB_COMPARISONS = 8, 16, 14
+_SCRUBS = (*range(SCRUB, SCRUB + len(Memory)), *range(SCRUBBED, SCRUBBED + SCRUB_COMPARISONS))
 
 
 def scrub_finds(run: ObservedRun) -> bool:
@@ -83,19 +84,23 @@ class Tried:
     """What comes of what a run tries. ``answer``: what the run must give then, None where nothing is run.
 
     ``fails``: it is a fault; ``may_fail``: it may be one, where the run ends before all is scanned.
+    ``comes``: a whole scan comes to it: an attempt needs a pair in a certified core, a memory one that reads
+    it; a number that is none of a memory's, a scan.
     """
 
     answer: SceneAnswer | None
     fails: bool
     may_fail: bool
+    comes: bool
 
 
 def tried(run: ObservedRun, answer: SceneAnswer | None, configuration: MeshConfiguration) -> Tried:
     """Return what comes of what a run tries, where ``answer`` is due otherwise."""
     kind, which = run.request.tries
     if kind in (Trial.WALK, Trial.INTAKE):
-        return Tried(answer, fails=True, may_fail=True)
+        return Tried(answer, fails=True, may_fail=True, comes=True)
     fails = False
+    comes = scrub_finds(run)
     if answer is not None and answer.near.size:
         if kind in ATTEMPTS and configuration.certified:
             return _attempted(run, answer, configuration)
@@ -108,8 +113,10 @@ def tried(run: ObservedRun, answer: SceneAnswer | None, configuration: MeshConfi
                 Memory.TRIANGLES_A: answer.tested > 0,
                 Memory.TRIANGLES_B: answer.tested > 0,
             }
-            fails = bool(uses[Memory(which)])
-    return Tried(answer, fails=fails and not run.aborts, may_fail=fails)
+            comes = fails = bool(uses[Memory(which)])
+        elif kind == Trial.MEMORY:
+            comes |= which not in _SCRUBS
+    return Tried(answer, fails=fails and not run.aborts, may_fail=fails, comes=comes)
 
 
 def _attempted(run: ObservedRun, answer: SceneAnswer, configuration: MeshConfiguration) -> Tried:
@@ -126,7 +133,12 @@ def _attempted(run: ObservedRun, answer: SceneAnswer, configuration: MeshConfigu
     # A run that stops at its first near pair need not come to a later one.
     first = np.argmax(near[i, j]) if len(i) else 0
     certain = bool(faults.any()) and (run.request.mode != Mode.FIRST or bool(faults[first]))
-    return Tried(replace(answer, near=near), certain and not run.aborts, bool(faults.any()))
+    return Tried(
+        replace(answer, near=near),
+        certain and not run.aborts,
+        may_fail=bool(faults.any()),
+        comes=bool(len(i)),
+    )
 
 
 def walked(answer: SceneAnswer, tested: int) -> dict[str, int]:

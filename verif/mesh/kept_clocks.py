@@ -10,7 +10,7 @@ from pathlib import Path
 
 from triaxis.golden.errors import InputError
 from triaxis.golden.outputs import write_whole
-from triaxis.verif.testbench.failures import found
+from triaxis.verif.testbench.failures import report_failure
 
 KEPT = Path(__file__).with_suffix(".json")
 TEST = "MeshClocksTest"
@@ -42,7 +42,7 @@ class FoundClocks:
                 f"{scene}: {clocks} clocks of loads and runs, {due or 'none'} are kept; if that is as it "
                 f"should be: .venv/bin/python -m {__spec__.name} {self._config}"
             )
-            found(self._wrong)
+            report_failure(self._wrong)
 
     def check(self, left_out: str = "") -> None:
         """Raise AssertionError where any differ, or are missing, but for those whose names begin so."""

@@ -35,7 +35,7 @@ from triaxis.verif.mesh.items import (
     unpack_triangle,
 )
 from triaxis.verif.testbench.environment import StimulusAgent, clock_now, create, dut_of, settings_of
-from triaxis.verif.testbench.failures import HungError, found
+from triaxis.verif.testbench.failures import HungError, report_failure
 from triaxis.verif.testbench.unknown_values import withdraw
 
 _NO_TRIANGLES = np.empty((0, 3, 3), np.int64)
@@ -225,7 +225,7 @@ class RunDriver(uvm_driver):
             if taken or not int(dut.rst_ni.value):
                 dut.abort_i.value = 0
                 return clock + 1
-        found(HANGS)
+        report_failure(HANGS)
         raise HungError(f"no summary in {limit} clocks: the engine hangs")
 
 

@@ -47,7 +47,8 @@ def row_of(
     gaps = (0, 0, 0)
     if answer is not None:
         rows, rows_skipped = len(answer.rows_apart), int(answer.rows_apart.sum())
-        gaps = _gaps(configuration, run, answer)
+        # A run that ends early may have come to none of these boxes.
+        gaps = _gaps(configuration, run, answer) if summary.status == Status.COMPLETE else gaps
         first_at = summary.tested - 1 if summary.status == Status.FIRST else UNKNOWN
     return MeshRow(
         mode=request.mode,

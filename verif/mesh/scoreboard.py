@@ -18,7 +18,7 @@ from triaxis.verif.mesh.items import (
     Summary,
 )
 from triaxis.verif.testbench.environment import CountingScoreboard, Export, settings_of
-from triaxis.verif.testbench.failures import Blame, found
+from triaxis.verif.testbench.failures import Blame, report_failure
 from triaxis.verif.testbench.reports import ERROR, report
 
 _EMPTY = np.empty((0, 3, 3), np.int64)
@@ -48,7 +48,7 @@ class RunMatcher:
 
     def _told_of(self, stray: str) -> None:
         self.stray.append(stray)
-        found(stray)
+        report_failure(stray)
 
     def load(self, datum: Loaded) -> None:
         """Follow a load."""

@@ -16,6 +16,7 @@ from triaxis.verif.mesh.base_test import MeshEngineTest
 from triaxis.verif.mesh.expectation import ATTEMPTS, SCRUB, Memory
 from triaxis.verif.mesh.items import WHICHES, RunRequest, RunTraffic, Scene
 from triaxis.verif.mesh.kept_clocks import FoundClocks
+from triaxis.verif.mesh.sampling import PIN_DRIVEN
 from triaxis.verif.mesh.scenes import (
     MOST_FULL,
     PACES,
@@ -45,7 +46,7 @@ WIDE = "mesh_w24_m24_d128_g8_l4"
 ONE_GROUP = "mesh_w10_m3_d8_g8_l1"
 NO_GROUPS = "mesh_w9_m9_d16_g1_l1"
 CERTIFIED = "mesh_w8_m8_d16_g4_l2_certified"
-_ON_PINS = (SQUARE, WORDS)
+_ON_PINS = tuple(f"mesh_{name}" for name in PIN_DRIVEN)
 
 # Triangles of the meshes that are to fill all queues at most; and of so many scenes one has such meshes.
 _CROWD, _FULL_ONE_IN = 64, 6

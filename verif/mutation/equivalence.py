@@ -49,9 +49,11 @@ from triaxis.sim.toolchain import verilator
 from triaxis.sim.validity import Sources
 from triaxis.verif.core.expectation import expected_words
 from triaxis.verif.core.stimulus.general import all_corners, orientations, spans
+from triaxis.verif.formal.board_proofs import board_proofs
 from triaxis.verif.formal.certifier_proof import certificate
+from triaxis.verif.formal.core_proofs import certified_proofs
+from triaxis.verif.formal.engine_proofs import engine_proofs
 from triaxis.verif.formal.proof import Proof
-from triaxis.verif.formal.proofs import board_proofs, certified_proofs, engine_proofs
 from triaxis.verif.mutation.builds import (
     FOLDER,
     ElaborationError,

@@ -13,16 +13,15 @@ from triaxis.sim.toolchain import verilator
 from triaxis.sim.validity import Sources
 from triaxis.verif.testbench.settings import BOARD_TESTS, CORE_TESTS, ENTRY, MESH_TESTS, TEST_DATA
 
-# What generates, plays, judges and excuses mutants: most of these modules are named by none of the
-# others. And the tests, but for those of real solids, which try no mutant and would bring host/ in.
+# Of each block its tests, but for those of real solids, which try no mutant and would bring host/ in.
+_TESTS = {"core": CORE_TESTS[:1], "mesh": MESH_TESTS[:1], "board": BOARD_TESTS}
+# What generates, plays, judges and excuses mutants: most of these modules are named by none of the others.
 _MODULES = [path.stem for path in sorted(Path(__file__).parent.glob("*.py")) if path.stem != "__init__"]
 KILLERS = Sources(
     (
         *(f"triaxis.verif.mutation.{name}" for name in _MODULES),
         ENTRY,
-        CORE_TESTS[0],
-        MESH_TESTS[0],
-        *BOARD_TESTS,
+        *(name for names in _TESTS.values() for name in names),
     ),
     (
         "verif/mutation/*.toml",
@@ -39,8 +38,7 @@ def killers_hash() -> str:
     return content_hash((), KILLERS.hash(), str(verilator()))
 
 
-# Of each block its tests, what these read, and the folders of dut/ that its targets elaborate.
-_TESTS = {"core": CORE_TESTS[0], "mesh": MESH_TESTS[0], "board": BOARD_TESTS[0]}
+# Of each block what its tests read, and the folders of dut/ that its targets elaborate.
 BLOCKS = tuple(_TESTS)
 # What plays a block plays no other one; and nobody looks at waves of a mutant.
 _PLAYERS = {
@@ -50,7 +48,7 @@ _PLAYERS = {
 }
 OUTCOMES = {
     block: Sources(
-        ("triaxis.verif.mutation.judging", ENTRY, tests),
+        ("triaxis.verif.mutation.judging", ENTRY, *tests),
         (
             f"verif/{block}/sva/*",
             *(data for data in TEST_DATA if data.startswith(f"verif/{block}/")),

@@ -164,11 +164,6 @@ class MutationResult:
         return not self.problems
 
     @property
-    def survivors(self) -> list[Fate]:
-        """Return the mutants that are neither killed nor equivalent."""
-        return [fate for fate in self.fates if fate.fate in (SURVIVING, ABSENT)]
-
-    @property
     def summary(self) -> str:
         """Return the outcome in one line."""
         return _summary(self.fates, self.recorded)

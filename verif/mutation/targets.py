@@ -3,7 +3,7 @@
 And which parts of dut/ a target elaborates, and what the package's functions give: by pyslang, in no time.
 """
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, ClassVar
@@ -20,6 +20,7 @@ from triaxis.sim.models import (
     mesh_build,
 )
 from triaxis.sim.paths import DUT, VERIF, certified_sources
+from triaxis.sim.slang import compiled
 from triaxis.sim.verilate import MANY, QUICK, Build
 from triaxis.verif.mutation.syntax import kind, read_source, span
 from triaxis.verif.testbench.golden_sample import MOST_SELDOM
@@ -243,24 +244,6 @@ TARGETS: tuple[AnyTarget, ...] = (
 )  # fmt: skip
 
 
-def _compilation(build: Build, parameters: Iterable[str]) -> tuple[Any, Any]:
-    import pyslang
-    from pyslang.ast import Compilation, CompilationOptions
-    from pyslang.syntax import SyntaxTree
-
-    options = CompilationOptions()
-    options.topModules = {build.top}
-    options.paramOverrides = list(parameters)
-    bag = pyslang.Bag()
-    bag.compilationOptions = options
-    manager = pyslang.SourceManager()
-    manager.addUserDirectories(str(build.dut / "core"))
-    compilation = Compilation(bag)
-    for source in build.sources:
-        compilation.addSyntaxTree(SyntaxTree.fromFile(str(source), manager, bag))
-    return compilation, manager
-
-
 def elaborated(target: AnyTarget, dut: Path = DUT) -> frozenset[tuple[str, int]]:
     """Return where the modules and generate blocks begin that a target elaborates: (file, offset).
 
@@ -272,8 +255,7 @@ def elaborated(target: AnyTarget, dut: Path = DUT) -> frozenset[tuple[str, int]]
     if isinstance(target, EngineTarget):
         target = replace(target, exact_core=False)
     build = target.build(dut)
-    parameters = [f"{name}={value}" for name, value in build.parameters.items()]
-    compilation, manager = _compilation(build, parameters)
+    compilation = compiled(build.sources, build.dut / "core", build.top, build.parameters)
     blocks: set[tuple[str, int]] = set()
 
     def visit(symbol: Any) -> Any:
@@ -282,7 +264,7 @@ def elaborated(target: AnyTarget, dut: Path = DUT) -> frozenset[tuple[str, int]]
             return ast.VisitAction.Skip
         if name in ("GenerateBlock", "InstanceBody") and symbol.syntax is not None:
             start = symbol.syntax.sourceRange.start
-            place = Path(manager.getFileName(start)).resolve()
+            place = Path(compilation.sourceManager.getFileName(start)).resolve()
             blocks.add((place.relative_to(dut.resolve()).as_posix(), start.offset))
         return ast.VisitAction.Advance
 

@@ -7,18 +7,19 @@ from pyuvm import uvm_root
 
 from triaxis.verif.testbench.reports import reporting
 from triaxis.verif.testbench.settings import BOARD_TESTS, CORE_TESTS, MESH_TESTS, Block, from_environment
-from triaxis.verif.testbench.trials import judged, next_test
+from triaxis.verif.testbench.trials import concluding_trial, next_test
 
 _SETTINGS = from_environment()
-# By name: the tests' modules import this package, which must not import them. Those after the first are only
-# looked through for a test that it does not have: what plays mutants imports nothing that no hash knows.
+# By name: the tests' modules import this package, which must not import them. The last ones are only looked
+# through for a test that the first do not have: what plays mutants imports nothing that no hash knows.
 _NAMES = {
     Block.CORE: (*CORE_TESTS, "triaxis.verif.core.sabotage_tests", "triaxis.verif.faults.fault_tests"),
     Block.MESH: (*MESH_TESTS, "triaxis.verif.mesh.sabotage_tests"),
     Block.BOARD: (*BOARD_TESTS, "triaxis.verif.board.sabotage_tests", "triaxis.verif.upsets.upset_test"),
 }[_SETTINGS.block]
-# Before trials fork, which then need not import it each.
-_FIRST = import_module(_NAMES[0])
+# Before trials fork, which then need not import it each: where the tests stand that try mutants.
+for _name in BOARD_TESTS if _SETTINGS.block is Block.BOARD else _NAMES[:1]:
+    import_module(_name)
 _NAME = next_test(_SETTINGS).test
 
 
@@ -28,5 +29,5 @@ async def selected(_: object) -> None:
     """Run the test."""
     modules = (import_module(name) for name in _NAMES)
     test = next(vars(module)[_NAME] for module in modules if _NAME in vars(module))
-    with judged(), reporting(_SETTINGS):
+    with concluding_trial(), reporting(_SETTINGS):
         await uvm_root().run_test(test)

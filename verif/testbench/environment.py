@@ -46,7 +46,7 @@ from triaxis.verif.testbench.settings import (
     limit_file,
     result_file,
 )
-from triaxis.verif.testbench.trials import Model, next_model, planned
+from triaxis.verif.testbench.trials import Model, in_trials, next_model
 from triaxis.verif.testbench.unknown_values import UnknownMonitor
 
 Component = TypeVar("Component", bound=uvm_component)
@@ -212,7 +212,7 @@ class EnvironmentTest(uvm_test):
         # Whatever else happens, no run computes for ever: where it was is said, then it is killed.
         limit = int(self.settings.time_limit)
         # Of trials it is said by how they end. Open from here on: then nothing of Python runs any more.
-        self._where = sys.stderr if planned() else limit_file(Path(self.settings.folder)).open("w")
+        self._where = sys.stderr if in_trials() else limit_file(Path(self.settings.folder)).open("w")
         faulthandler.register(signal.SIGXCPU, self._where)
         resource.setrlimit(resource.RLIMIT_CPU, (limit, limit + 5))
         if self.bfm:

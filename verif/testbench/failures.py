@@ -32,7 +32,7 @@ def ends_at_first() -> bool:
     return _listener is not None
 
 
-def found(message: str, pairs: int = 0) -> None:
+def report_failure(message: str, pairs: int = 0) -> None:
     """Tell of a failure whoever listens; to a run that goes on to its end nobody does."""
     if _listener:
         _listener(message, pairs)

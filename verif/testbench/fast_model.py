@@ -10,7 +10,7 @@ import cocotb
 from cocotb.triggers import Event, Timer
 
 from triaxis.sim.player import ASSERTION
-from triaxis.verif.testbench.failures import HungError, found
+from triaxis.verif.testbench.failures import HungError, report_failure
 
 # Clocks after which a model returns in any case.
 _MOST_CLOCKS = 1 << 30
@@ -110,9 +110,9 @@ class FastModel(Generic[PlayerT]):
         self.clock = progress.clock
         if progress.asserted and not self._asserted:
             self._asserted = True
-            found(ASSERTION)
+            report_failure(ASSERTION)
         if progress.symptom:
-            found(progress.symptom)
+            report_failure(progress.symptom)
             raise HungError(f"what is under test {progress.symptom}")
         self.follow(progress)
         while self._due and self._due[0][0] <= self.clock:

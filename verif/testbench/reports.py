@@ -12,7 +12,7 @@ from triaxis.verif.testbench.settings import (
     library_from_environment,
     program_from_environment,
 )
-from triaxis.verif.testbench.trials import planned
+from triaxis.verif.testbench.trials import in_trials
 
 INFO, ERROR = "INFO", "ERROR"
 _LOGGER = logging.getLogger("uvm")
@@ -29,7 +29,7 @@ def report(severity: str, text: str, report_id: str, verbosity: int = UVM_NONE) 
 @contextmanager
 def reporting(settings: RunSettings) -> Iterator[None]:
     """Report at the verbosity of a run, and count what is reported."""
-    if planned():
+    if in_trials():
         yield
         return
     _LOGGER.setLevel(logging.INFO)

@@ -23,13 +23,20 @@ _VARIABLE = "TRIAXIS_RUN"
 _LIBRARY_VARIABLE = "TRIAXIS_LIBRARY"
 PROGRAM_VARIABLE = "TRIAXIS_PROGRAM"
 PIN, BURST = "pin", "burst"
+# Repeats pairs that failed elsewhere: the one test that no plan runs.
+REPLAY = "ReplayTest"
 VERILATOR = "verilator"
 VERBOSITIES = ("none", "low", "medium", "high", "full", "debug")
 # Where the tests stand; the simulator's process loads them by name, which no import shows.
 CORE_TESTS = ("triaxis.verif.core.uvm_tests", "triaxis.verif.core.solid_tests")
 MESH_TESTS = ("triaxis.verif.mesh.uvm_tests", "triaxis.verif.mesh.solid_tests")
 ENTRY = "triaxis.verif.testbench.entry"
-BOARD_TESTS = ("triaxis.verif.board.uvm_tests",)
+BOARD_TESTS = (
+    "triaxis.verif.board.go_tests",
+    "triaxis.verif.board.line_tests",
+    "triaxis.verif.board.run_tests",
+    "triaxis.verif.board.reset_tests",
+)
 TEST_MODULES = (ENTRY, *CORE_TESTS, *MESH_TESTS, *BOARD_TESTS)
 # What tests read: counterexamples that were kept, and clocks.
 TEST_DATA = ("verif/core/kept/*.json", "verif/mesh/*.json")
@@ -132,17 +139,15 @@ class RunSettings:
     @property
     def replay_command(self) -> str:
         """Return the command that repeats exactly this run."""
-        if self.replay:
-            return f".venv/bin/triaxis sim ReplayTest --config {self.config} --replay {self.replay}"
         usual = BURST if self.block is Block.BOARD else PIN
         options = "" if self.agent == usual == PIN else f" --agent {self.agent}"
         options += "" if self.judged_one_in == 1 else f" --judged {self.judged_one_in}"
         options += " --soak" if self.soak else ""
         options += f" --simulator {self.simulator}" if self.four_state else ""
-        return (
-            f".venv/bin/triaxis sim {self.test} --seed {self.seed} --config {self.config} "
-            f"--pairs {self.pairs}{options}"
-        )
+        # What a run of any test has kept is sent again by one alone.
+        test = REPLAY if self.replay else self.test
+        what = f"--replay {self.replay}" if self.replay else f"--pairs {self.pairs}"
+        return f".venv/bin/triaxis sim {test} --seed {self.seed} --config {self.config} {what}{options}"
 
     def to_environment(self, library: Path | None = None) -> dict[str, str]:
         """Return the environment variables that carry these settings, and what library is under test."""

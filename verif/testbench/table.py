@@ -17,12 +17,11 @@ from triaxis.verif.testbench.settings import (
     CORE_TESTS,
     MESH_TESTS,
     PIN,
+    REPLAY,
     Block,
     block_of,
 )
 
-# Repeats pairs that failed elsewhere: the one test that no plan runs.
-REPLAY = "ReplayTest"
 # Pairs of one volume run at most: what fails is replayed by running it again from its start.
 _LONGEST_RUN = 8_000_000
 

@@ -125,7 +125,7 @@ def _planned() -> Trials | None:
     return Trials(tests, tuple(Model(**model) for model in plan["models"]), Path(path).parent)
 
 
-def planned() -> bool:
+def in_trials() -> bool:
     """Return whether this is a process of trials: what is made before the run phase then serves many."""
     return _planned() is not None
 
@@ -222,7 +222,7 @@ _trouble: Callable[[str], None] = _say
 
 
 @contextmanager
-def judged() -> Iterator[None]:
+def concluding_trial() -> Iterator[None]:
     """Conclude a trial with the end of its test, or with the error that ends it; do nothing in other runs.
 
     Only what a test asserts is a verdict. Whatever else ends it speaks of the environment or the machine, and
@@ -234,7 +234,7 @@ def judged() -> Iterator[None]:
         error = _first_error() or raised
         said = f"{type(error).__name__}: {error}"
         if isinstance(error, AssertionError):
-            failures.found(said)
+            failures.report_failure(said)
         if _planned() is not None:
             # A full disk must not keep it from ending.
             try:
@@ -242,7 +242,7 @@ def judged() -> Iterator[None]:
             finally:
                 os._exit(1)
         raise
-    failures.found(_PASSED)
+    failures.report_failure(_PASSED)
 
 
 def _first_error() -> BaseException | None:

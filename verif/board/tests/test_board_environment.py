@@ -4,7 +4,7 @@ import pytest
 
 from triaxis.sim.models import BOARD_SVA, assertions
 from triaxis.sim.paths import DUT
-from triaxis.verif.board.uvm_tests import BOARD, REAL, SHIPPED
+from triaxis.verif.board.base_test import BOARD, REAL, SHIPPED
 from triaxis.verif.core.tests.broken_rtl import broken_rtl
 from triaxis.verif.testbench.assertions import assertion_names
 from triaxis.verif.testbench.settings import BURST, PIN, Block

@@ -1,1 +1,1 @@
-"""Stimulus: families of pairs as arrays, and the sequences that send them."""
+"""Stimulus: families of pairs as arrays, with the margins at which they are asked."""

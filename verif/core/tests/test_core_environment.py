@@ -22,9 +22,9 @@ from triaxis.sim.models import core_build
 from triaxis.sim.verilate import library
 from triaxis.verif.core.tests.broken_rtl import broken_rtl
 from triaxis.verif.testbench import simulation
-from triaxis.verif.testbench.settings import BURST, PIN, Block, limit_file
+from triaxis.verif.testbench.settings import BURST, PIN, REPLAY, Block, limit_file
 from triaxis.verif.testbench.simulation import build_for, run, run_settings
-from triaxis.verif.testbench.table import REPLAY, names_of
+from triaxis.verif.testbench.table import names_of
 
 pytestmark = pytest.mark.simulator
 

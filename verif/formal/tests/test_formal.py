@@ -260,6 +260,8 @@ BROKEN = (
      "logic signed [XBits+YBits-1:0] piece_d, piece_q;",
      "logic signed [XBits+YBits-3:0] piece_d, piece_q;",
      "does not fit"),
+    ("a piece's product at the falling edge", "multiply_wide", "core/triaxis_mul.sv",
+     "`TRIAXIS_STAGE(piece, piece_q)", "always_ff @(negedge clk_i) piece <= piece_q;", "rising one of clk_i"),
     ("an area too many in edge x edge", "areas_w1", "core/triaxis_areas.sv",
      "across_a_1[i][(j+1)%3] - across_a_1[i][j]", "across_a_1[i][(j+1)%3]", "EdgeEdge"),
     ("projections one bit too narrow", "widths", "core/triaxis_pkg.sv",

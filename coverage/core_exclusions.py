@@ -19,7 +19,7 @@ from triaxis.sim.configuration import Configuration
 
 # Kinds of argument; every exclusion is of one of these.
 GEOMETRY, BUILD, CONTRACT = "geometry", "build", "contract"
-CATEGORIES = {
+ARGUMENTS = {
     GEOMETRY: "no two triangles lie so",
     BUILD: "the parameters of the build leave it out",
     CONTRACT: "the core must not answer so",
@@ -29,7 +29,7 @@ OWNER = "verif"
 POINT, SEGMENT, TRIANGLE = range(3)
 FACE = 2
 ALL_VERTICES = 6
-_TEST = "coverage/tests/test_core_proofs.py"
+_TEST = "coverage/tests/test_core_exclusions.py"
 _GRID = f"{_TEST}::test_no_excluded_bin_is_hit"
 _ANSWERS = "coverage/tests/test_core_coverage.py::test_wrong_answers_hit_illegal_bins"
 
