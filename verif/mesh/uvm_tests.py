@@ -8,6 +8,7 @@ import cocotb
 import numpy as np
 from cocotb.task import Task
 
+from triaxis.golden.axes import BOX_AXES
 from triaxis.golden.pairs import coordinate_range
 from triaxis.sim.clocking import PERIOD_NS
 from triaxis.sim.mesh_engine import NO_ZONES, Mode, Trial
@@ -64,6 +65,8 @@ _SOME_OF, _RESET_ONE_IN, _SCRUB_LATENCY = 5, 6, 8
 _MIXED = ("in_one_place", "clusters", "cloud", "one_contact")
 # Scenes that rows decide, or groups, or boxes: what comes later is not used, and the core is not asked.
 _DECIDED_BY = ("rows_apart", "groups_apart", "lattice")
+# A triangle in the plane z = x + y, and a point above it: their boxes meet, and the next axis separates.
+_APART_BY_NORMAL = np.array([[[[0, 0, 0], [9, 0, 9], [0, 9, 9]]], [[[1, 1, 9]] * 3]])
 
 
 @listed(
@@ -374,6 +377,10 @@ class MeshTrialsTest(MeshEngineTest):
         used = [*product((Trial.MEMORY,), Memory), *product(ATTEMPTS, (0,))]
         for tries, kind in product(used, _DECIDED_BY):
             await self.attempt(tries, int(Mode.ALL), kind)
+        # A claim that holds is none of the faults that are looked for.
+        holds = RunRequest(tries=(Trial.CLAIM, BOX_AXES))
+        a, b = _APART_BY_NORMAL
+        await self.send(Scene(a, b, ((holds, RunTraffic()),)))
 
     async def attempt(self, tries: tuple[int, int], mode: int, decided_by: str = "") -> None:
         """Send a scene with a run that tries something, and runs after it; ``decided_by``: its kind."""
