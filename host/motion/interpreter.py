@@ -314,7 +314,7 @@ class Interpreter:
     def _path_mode(self, place: Place, word: Word, words: dict[str, Word]) -> None:
         tolerance = Fraction(0)
         if word.code == "G64":
-            left, joined = (self.length(place, words[k]) if k in words else None for k in "PQ")
+            left, joined = (self.length(words[k]) if k in words else None for k in "PQ")
             # P0 is no tolerance of 0, but none at all.
             if left is not None and left > _LEAST_TOLERANCE:
                 # The path may be left by P, and moves that are nearly in line joined by as much, or Q.
@@ -326,7 +326,7 @@ class Interpreter:
                 tolerance = self.machine.tolerance + JOINED * (joined or 0)
         self.modal, self.exact_path = replace(self.modal, tolerance=tolerance), True
 
-    def length(self, place: Place, word: Word) -> Fraction:
+    def length(self, word: Word) -> Fraction:
         """Return the value of a word in millimetres, which are assumed where the program says nothing."""
         if self.modal.units is None:
             self.modal = replace(self.modal, units=_MILLIMETRE)
@@ -417,7 +417,7 @@ class Interpreter:
             raise place.error(group[-1].text, "two words of the line take its axes: split it")
         if not group or group[0].code == "G53":
             return False
-        word, values = group[0], {k: self.length(place, axis) for k, axis in axes.items()}
+        word, values = group[0], {k: self.length(axis) for k, axis in axes.items()}
         code = word.code
         if self.modal.motion in CYCLES and code not in ("G4", "G28", "G30"):
             raise place.error(word.text, _WITHIN_CYCLES)
@@ -482,16 +482,16 @@ class Interpreter:
         if home is None:
             raise place.error(word.text, "goes where only the machine knows: give homes in a machine file")
         if axes:
-            self._line(place, self._target(place, axes), rapid=True)
+            self._line(place, self._target(axes), rapid=True)
         goal = [h - z for h, z in zip(home, zero, strict=True)]
         moved = (goal[k] if k in axes or not axes else self.position[k] for k in range(3))
         self._line(place, vector(moved), rapid=True)
 
-    def _target(self, place: Place, axes: dict[int, Word]) -> Vector:
+    def _target(self, axes: dict[int, Word]) -> Vector:
         """Return where the axis words of a line go."""
         origin, target = self.origin(), list(self.position)
         for k, word in axes.items():
-            value = self.length(place, word)
+            value = self.length(word)
             target[k] = target[k] + value if self.modal.relative else origin[k] + value
         return vector(target)
 
@@ -545,10 +545,10 @@ class Interpreter:
                     absolute[0].text, "goes with G0 or G1, G90, and X, Y or Z: correct the line"
                 )
             zero = self._absolute(place, absolute[0])
-            values = {k: self.length(place, word) - zero[k] for k, word in axes.items()}
+            values = {k: self.length(word) - zero[k] for k, word in axes.items()}
             target = vector(values.get(k, self.position[k]) for k in range(3))
         else:
-            target = self._target(place, axes)
+            target = self._target(axes)
         # The feed of a thread is the spindle's.
         if motion not in ("G0", "G33") and not self.modal.feed:
             word = next(iter(codes.get("motion", ())), first)
@@ -564,17 +564,17 @@ class Interpreter:
         try:
             if motion in ("G5", "G5.1"):
                 return self._spline(place, words, target)
-            self._line(place, target, motion == "G0", self._curve(place, words, target), vector(turned))
+            self._line(place, target, motion == "G0", self._curve(words, target), vector(turned))
         except ValueError as error:
             if isinstance(error, InputError):
                 raise
             raise place.error(first.text, str(error)) from error
         return None
 
-    def _curve(self, place: Place, words: dict[str, Word], target: Vector) -> Curve | None:
+    def _curve(self, words: dict[str, Word], target: Vector) -> Curve | None:
         """Return the curve of the spindle's nose to a target, None where it is straight."""
         motion, start = self.modal.motion or "", self.position
-        given = {letter: self.length(place, words[letter]) for letter in "IJKR" if letter in words}
+        given = {letter: self.length(words[letter]) for letter in "IJKR" if letter in words}
         if motion in ARCS:
             plane, clockwise = _PLANES[self.modal.plane], motion == "G2"
             turns = _whole(words["P"]) if "P" in words else 1
@@ -605,7 +605,7 @@ class Interpreter:
             raise ValueError("a spline without its second control point: give P and Q")
         points = [start]
         for of, letters in ((start, "IJ"), (target, "PQ"))[: 2 if motion == "G5" else 1]:
-            x, y = (self.length(place, words[letter]) for letter in letters)
+            x, y = (self.length(words[letter]) for letter in letters)
             points.append(added(of, vector((x, y, Rational(0)))))
         points.append(target)
         self._along_nurbs(place, points, [Fraction(1)] * len(points), len(points), "G17")
@@ -645,7 +645,7 @@ class Interpreter:
                 )
             if not weight:
                 raise place.error(word.text, "a control point without a weight above 0: give P")
-            points = (*begun.points, self._target(place, axes))
+            points = (*begun.points, self._target(axes))
             begun = replace(begun, points=points, weights=(*begun.weights, weight))
         elif begun.place is not place:
             raise place.error(
@@ -714,11 +714,11 @@ class Interpreter:
             why = f"tapping in {self.modal.plane}: controls go to different places: write plain moves"
             raise place.error(self.modal.motion or "", why)
         if "R" in words:
-            self.cycle["R"] = self.length(place, words["R"])
+            self.cycle["R"] = self.length(words["R"])
         if "Q" in words:
-            self.cycle["Q"] = self.length(place, words["Q"])
+            self.cycle["Q"] = self.length(words["Q"])
         if c in axes:
-            self.cycle["bottom"] = self.length(place, axes[c])
+            self.cycle["bottom"] = self.length(axes[c])
         if not self.cycle.keys() >= {"R", "bottom"}:
             raise place.error(self.modal.motion or "", "a cycle without its depth: give R and Z")
         now = self.modal.plane, self.modal.units, self.compensation
@@ -752,7 +752,7 @@ class Interpreter:
                 # A step of the angle goes on from where the last one led.
                 step = {letter: words[letter] for letter in POLAR if letter in words}
                 axes = axes | {_AXES.index(k): word for k, word in self._polar(place, step, False).items()}
-            target = self._target(place, {k: axes[k] for k in (a, b) if k in axes})
+            target = self._target({k: axes[k] for k in (a, b) if k in axes})
             higher = not again and self.position[c] > clear
             self._line(place, at(target, self.position[c] if higher else above), rapid=True)
             self._line(place, at(target, clear), rapid=True)

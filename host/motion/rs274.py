@@ -119,7 +119,7 @@ class _Told:
         elif call == "SET_XY_ROTATION":
             self.angle = math.radians(float(text))
         elif call == "SET_MOTION_CONTROL_MODE":
-            self._path_mode(line, text)
+            self._path_mode(text)
         elif call == "SELECT_TOOL":
             self.chosen |= line > 0
         elif call == "PALLET_SHUTTLE":
@@ -148,7 +148,7 @@ class _Told:
         if line and not self.moves:
             self.notes["units"] = ""
 
-    def _path_mode(self, line: int, text: str) -> None:
+    def _path_mode(self, text: str) -> None:
         mode, *tolerance = text.split(", ")
         self.tolerance = Fraction(0)
         if all(move.rapid for move in self.moves):
