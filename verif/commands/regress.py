@@ -35,7 +35,7 @@ def add_four_state(parser: argparse.ArgumentParser) -> None:
     parser.description = (
         "Run the tests on the pins in Icarus Verilog, which knows of unknown values: registers before a "
         "reset, memories before they are written, inputs that offer nothing. No output that counts may be "
-        f"unknown, and every answer must be right. Some minutes. Writes {in_checkout(FOUR_STATE)}."
+        f"unknown, and every answer must be right. Some twenty minutes. Writes {in_checkout(FOUR_STATE)}."
     )
     add_seed(parser)
     parser.set_defaults(run=_four_state)
