@@ -115,8 +115,9 @@ class Assessment:
     """Totals by file and kind, what is not covered, and what is wrong.
 
     ``waived`` counts the bins of each waiver by its number, ``places`` says where they are; ``elaborated``
-    holds the generate blocks that exist in some model, by module and label; ``void`` the numbers of the
-    waivers that hold no more.
+    holds the generate blocks that exist in some model, by module and label; ``asserted`` the assertions that
+    do, by the module in which each is, its own and its label; ``void`` the numbers of the waivers that hold
+    no more.
     """
 
     files: dict[tuple[str, str], Total] = field(default_factory=dict)
@@ -125,6 +126,7 @@ class Assessment:
     waived: dict[int, int] = field(default_factory=dict)
     places: dict[int, set[WaivedPlace]] = field(default_factory=dict)
     elaborated: set[tuple[str, str]] = field(default_factory=set)
+    asserted: set[tuple[str, str, str]] = field(default_factory=set)
     void: set[int] = field(default_factory=set)
 
     @property
@@ -151,6 +153,7 @@ class Assessment:
         for number, places in other.places.items():
             self.places.setdefault(number, set()).update(places)
         self.elaborated |= other.elaborated
+        self.asserted |= other.asserted
         self.void |= other.void
 
     def refute(self, waiver: Waiver, reason: str) -> None:

@@ -44,7 +44,8 @@ class Instance:
     """One instance of a module: its path, the numbers among its parameters, its signals.
 
     ``blocks`` are the labels of the generate blocks in it, without loop indices; ``conditions`` the
-    lines that hold a logical operator, ``initial`` those that give a register its value at power-up.
+    lines that hold a logical operator, ``initial`` those that give a register its value at power-up;
+    ``named`` the labels of its statements, as assertions have one.
     """
 
     path: str
@@ -54,6 +55,7 @@ class Instance:
     blocks: set[str] = field(default_factory=set)
     conditions: set[int] = field(default_factory=set)
     initial: set[int] = field(default_factory=set)
+    named: set[str] = field(default_factory=set)
 
 
 def _range(text: str) -> range:
@@ -156,6 +158,8 @@ class _Reader:
                     # The block around an `else if` has no name, and no place in a path.
                     inner = f"{prefix}{node['name']}." if node["name"] else prefix
                     self._collect(node["itemsp"], inner, found, cells)
+                case "BEGIN":
+                    found.named.add(node["name"])
                 case "CELL":
                     cells.append((prefix + node["name"], node["modp"]))
                 case "VAR" if node["varType"] in _SIGNAL_KINDS:

@@ -3,13 +3,13 @@
 The tests check every answer as always: coverage by a core that answers wrongly is worth nothing.
 """
 
-import re
 import time
-from collections.abc import Callable, Iterable, Sequence, Set
+from collections.abc import Callable, Iterable, Mapping, Sequence, Set
 from contextlib import closing
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 
+import pyslang
 from filelock import FileLock
 
 from triaxis.coverage.code_counters import add_files, read_counters
@@ -21,7 +21,7 @@ from triaxis.coverage.code_coverage import (
     conclude,
     generate_blocks,
 )
-from triaxis.coverage.elaboration import read_elaboration
+from triaxis.coverage.elaboration import Instance, read_elaboration
 from triaxis.coverage.waiver_upkeep import waiver_records
 from triaxis.coverage.waivers import WAIVERS, Waiver, read_waivers
 from triaxis.golden.errors import InputError
@@ -48,7 +48,7 @@ from triaxis.sim.validity import Provenance, Sources, standing
 from triaxis.sim.verilate import LIGHT, Build, described, library
 from triaxis.verif.code_coverage.state_machines import covers, state_machines
 from triaxis.verif.core.detector_check import ask_at_random
-from triaxis.verif.testbench.assertions import assertion_names, with_antecedents
+from triaxis.verif.testbench.assertions import assertion_names, nodes, with_antecedents
 from triaxis.verif.testbench.settings import BURST, TEST_DATA, TEST_MODULES, Block, counters_file
 from triaxis.verif.testbench.simulation import run, run_settings
 from triaxis.verif.testbench.table import table
@@ -56,8 +56,6 @@ from triaxis.verif.testbench.table import table
 RESULT = BUILD / "coverage" / "code.json"
 COUNTERS = BUILD / "coverage" / "counters"
 SOURCES = Sources(("triaxis.verif.code_coverage.run", *TEST_MODULES), ("coverage/waivers.toml", *TEST_DATA))
-# What `with_antecedents` adds, by the label of its assertion.
-_ANTECEDENT = re.compile(r"(\w+)Antecedent : cover property")
 
 # Together they elaborate every generate block of dut/; the run fails if one is missing.
 CORES = (
@@ -160,20 +158,44 @@ def _rules(configuration: Measured) -> tuple[Path, ...]:
             return assertions(CORE_SVA)
 
 
-def unbound(rules: Iterable[Path], elaborated: Set[tuple[str, str]]) -> list[str]:
-    """Return the assertions with a left side that are in none of the models, a line each.
+def asserted_in(design: Mapping[str, Instance]) -> set[tuple[str, str, str]]:
+    """Return what has a label in an elaborated design: the module in which that is bound, its own, the label.
 
-    ``elaborated``: the modules and labels of those that are. Nothing else would miss one that is bound to
-    nothing any more.
+    ``design``: instances by path, outer ones first.
     """
-    found: list[str] = []
+    found: set[tuple[str, str, str]] = set()
+    for path, one in design.items():
+        outer = (path.rsplit(".", depth)[0] for depth in range(1, path.count(".")))
+        around = next((design[place].module for place in outer if place in design), "")
+        found |= {(around, one.module, label) for label in one.named}
+    return found
+
+
+def unbound(rules: Iterable[Path], asserted: Set[tuple[str, str, str]]) -> list[str]:
+    """Return the assertions that are in none of the models where their files bind them, a line each.
+
+    ``asserted``: those that are, as `asserted_in` gives them. Nothing else would miss one that is bound to
+    nothing any more, or to one less of several modules.
+    """
+    labels: dict[str, list[str]] = {}
+    bound: list[tuple[Path, str, str]] = []
     for path in rules:
-        labels = set(_ANTECEDENT.findall(with_antecedents(path)))
         for name in assertion_names(path):
             module, _, label = name.partition(".")
-            if label in labels and (module, label) not in elaborated:
-                found.append(f"{path.name}: {name} is in none of the models: is its module bound?")
-    return found
+            labels.setdefault(module, []).append(label)
+        # The tree must outlive its nodes.
+        tree = pyslang.syntax.SyntaxTree.fromFile(str(path))
+        for bind in nodes(tree.root, pyslang.syntax.BindDirectiveSyntax):
+            if isinstance(bind.instantiation, pyslang.syntax.HierarchyInstantiationSyntax):
+                bound.append((path, str(bind.target).strip(), bind.instantiation.type.valueText))
+    found = [
+        f"{path.name}: {module}.{label} is in {target} in none of the models: is it bound there?"
+        for path, target, module in bound
+        for label in labels.get(module, ())
+        if (target, module, label) not in asserted
+    ]
+    nowhere = labels.keys() - {module for _, _, module in bound}
+    return found + [f"{module}: its assertions are bound to no module: bind it" for module in sorted(nowhere)]
 
 
 def covered(configuration: Measured) -> Build:
@@ -293,7 +315,9 @@ class _Count:
         own = {source.stem for source in own_sources(self.model.configuration)}
         design = read_elaboration(described(build), build.top)
         instances = {path: one for path, one in design.items() if one.module in own}
-        return assess_model(ModelCoverage(build.name, read_counters(file), instances), self.waivers)
+        found = assess_model(ModelCoverage(build.name, read_counters(file), instances), self.waivers)
+        found.asserted = asserted_in(design)
+        return found
 
 
 def _run_all(
@@ -350,7 +374,7 @@ def measure(
             together.add(assessment)
         whole = conclude(together, generate_blocks([*rtl_sources(), *mesh_sources(), *board_sources()]), read)
         rules = dict.fromkeys(path for model in models for path in _rules(model))
-        whole.problems += unbound(rules, whole.elaborated)
+        whole.problems += unbound(rules, whole.asserted)
         changed = not before.stands
     return CodeCoverage(runs, whole, read, time.perf_counter() - start, before.valid_for, changed)
 

@@ -17,7 +17,7 @@ from triaxis.coverage.code_counters import (
     read_lines,
 )
 from triaxis.coverage.code_coverage import Assessment, Bin, Total, generate_blocks
-from triaxis.coverage.elaboration import read_elaboration
+from triaxis.coverage.elaboration import Instance, read_elaboration
 from triaxis.coverage.waivers import KINDS, Waiver
 from triaxis.golden.errors import InputError
 from triaxis.host.cli import main
@@ -25,6 +25,7 @@ from triaxis.host.tests.published import read_published
 from triaxis.sim.build import run_tool
 from triaxis.sim.configuration import Configuration
 from triaxis.sim.core_engine import CorePlayer
+from triaxis.sim.models import BOARD_SVA, CORE_SVA, MESH_SVA, assertions
 from triaxis.sim.paths import board_sources, mesh_sources, rtl_sources
 from triaxis.sim.validity import Provenance
 from triaxis.sim.verilate import QUICK, compiler, described, library, runtime
@@ -34,6 +35,7 @@ from triaxis.verif.code_coverage.run import (
     ENGINES,
     CodeCoverage,
     Run,
+    asserted_in,
     covered,
     unbound,
     write_json,
@@ -87,13 +89,12 @@ def test_counters_of_two_builds_are_not_added(tmp_path: Path) -> None:
 
 @pytest.mark.long
 @pytest.mark.simulator
-def test_the_models_elaborate_every_generate_block() -> None:
-    found = {
-        (instance.module, label)
-        for model in map(covered, (*CORES, None, *ENGINES, *BOARDS))
-        for instance in read_elaboration(described(model), model.top).values()
-        for label in instance.blocks
-    }
+def test_the_models_elaborate_every_generate_block_and_every_assertion() -> None:
+    models = [covered(one) for one in (*CORES, None, *ENGINES, *BOARDS)]
+    designs = [read_elaboration(described(model), model.top) for model in models]
+    found = {(one.module, label) for design in designs for one in design.values() for label in one.blocks}
+    rules = [path for folder in (CORE_SVA, MESH_SVA, BOARD_SVA) for path in assertions(folder)]
+    assert unbound(rules, set().union(*map(asserted_in, designs))) == []
     blocks = generate_blocks([*rtl_sources(), *mesh_sources(), *board_sources()])
     missing = {block.label for block in blocks if (block.module, block.label) not in found}
     of_engine = {"g_bad_powers", "g_bad_sizes", "g_bad_range", "g_bad_cycles"}
@@ -154,17 +155,48 @@ def test_the_result_is_written_and_the_exit_code_says_the_same(
     assert main(["coverage", "code", "--pairs=0"]) == 2
 
 
+RULES = """
+module held_sva (input logic clk_i, a, b);
+  Held : assert property (@(posedge clk_i) a |=> b);
+  Never : assert property (@(posedge clk_i) !(a && b));
+endmodule
+module {module} (input logic clk_i, a);
+  Always : assert property (@(posedge clk_i) a);
+endmodule
+bind left held_sva u_sva (.clk_i, .a, .b);
+bind right held_sva u_sva (.clk_i, .a, .b(1'b1));
+bind left always_sva u_always_sva (.clk_i, .a);
+"""
+
+
 def test_an_assertion_that_is_bound_to_nothing_is_a_problem(tmp_path: Path) -> None:
     rules = tmp_path / "held_sva.sv"
-    rules.write_text(
-        "module held_sva (input logic clk_i, a, b);\n"
-        "  Held : assert property (@(posedge clk_i) a |=> b);\n"
-        "  Never : assert property (@(posedge clk_i) !(a && b));\n"
-        "endmodule\n"
-    )
-    assert unbound([rules], {("held_sva", "Held")}) == []
-    (said,) = unbound([rules], {("other_sva", "Held")})
-    assert said == "held_sva.sv: held_sva.Held is in none of the models: is its module bound?"
+    rules.write_text(RULES.format(module="always_sva"))
+
+    def placed(module: str, inside: str, *labels: str) -> dict[str, Instance]:
+        return {
+            "TOP.top": Instance("TOP.top", "top"),
+            f"TOP.top.g_block[0].u_{module}": Instance("", module),
+            f"TOP.top.g_block[0].u_{module}.{inside}": Instance("", inside, named={*labels}),
+        }
+
+    left = asserted_in(placed("left", "held_sva", "Held", "Never"))
+    right = asserted_in(placed("right", "held_sva", "Held", "Never"))
+    always = asserted_in(placed("left", "always_sva", "Always"))
+    assert unbound([rules], left | right | always) == []
+    # One without a left side has no counter that would be missed.
+    (said,) = unbound([rules], left | right)
+    assert said == "held_sva.sv: always_sva.Always is in left in none of the models: is it bound there?"
+    # Nor has one that is bound elsewhere, too.
+    told = unbound([rules], left | always)
+    assert told == [
+        f"held_sva.sv: held_sva.{label} is in right in none of the models: is it bound there?"
+        for label in ("Held", "Never")
+    ]
+    assert len(unbound([rules], left | asserted_in(placed("right", "held_sva", "Held")) | always)) == 1
+    other = tmp_path / "other_sva.sv"
+    other.write_text(RULES.format(module="other_sva"))
+    assert unbound([other], left | right) == ["other_sva: its assertions are bound to no module: bind it"]
 
 
 def test_an_elaboration_that_is_damaged_or_of_another_module_is_refused(tmp_path: Path) -> None:
