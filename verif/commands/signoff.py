@@ -4,11 +4,13 @@ import argparse
 from collections import defaultdict
 from typing import Any
 
+from filelock import FileLock, Timeout
 from rich.console import Console
 from rich.table import Table
 
 from triaxis.coverage.stages import STAGES, read_figures
 from triaxis.golden.errors import InputError
+from triaxis.golden.outputs import make_folder
 from triaxis.host.cli import DONE, NO
 from triaxis.host.cli.arguments import add_seed
 from triaxis.host.cli.terminal import print_list, progress_bar, table
@@ -49,6 +51,18 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(options: argparse.Namespace) -> int:
+    """Run the sign-off, unless one runs already; see `_run`."""
+    make_folder(RESULT.parent)
+    lock = RESULT.with_suffix(".lock")
+    try:
+        # Two would write each other's runs and coverage, and the one of other sources would judge them.
+        with FileLock(lock, blocking=False):
+            return _run(options)
+    except Timeout as error:
+        raise InputError(f"{lock}: a sign-off of this checkout runs already: wait for its end") from error
+
+
+def _run(options: argparse.Namespace) -> int:
     """Run the sign-off, print its summary, and write its files."""
     # Matplotlib loads where a page is to come; if it does not, that is told before anything runs.
     from triaxis.verif.signoff.page import write

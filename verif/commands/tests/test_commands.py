@@ -4,6 +4,7 @@ import os
 from pathlib import Path
 
 import pytest
+from filelock import FileLock
 
 from triaxis.golden.errors import InputError
 from triaxis.host.cli import main
@@ -41,7 +42,19 @@ def test_no_older_signoff_outlives_one_that_is_refused(tmp_path, monkeypatch, ca
         monkeypatch.setattr(signoff, name, tmp_path / name)
         (tmp_path / name).write_text("passed")
     assert main(["signoff", "--pairs", "5"]) == 2
-    assert "must be at least 1000" in capsys.readouterr().err and not list(tmp_path.iterdir())
+    assert "must be at least 1000" in capsys.readouterr().err
+    assert not any((tmp_path / name).exists() for name in ("RESULT", "PAGE"))
+
+
+def test_one_sign_off_at_a_time_of_a_checkout(tmp_path, monkeypatch, capsys):
+    for name in ("RESULT", "PAGE"):
+        monkeypatch.setattr(signoff, name, tmp_path / name)
+    monkeypatch.setattr(signoff, "step_count", lambda *_: pytest.fail("a second one begins"))
+    (tmp_path / "RESULT").write_text("of the one that runs")
+    with FileLock(tmp_path / "RESULT.lock"):
+        assert main(["signoff"]) == 2
+    assert "RESULT.lock: a sign-off of this checkout runs already" in capsys.readouterr().err
+    assert (tmp_path / "RESULT").exists()
 
 
 @pytest.mark.parametrize(
