@@ -83,8 +83,9 @@ def signoff(
     """
     start, timeline = time.monotonic(), Timeline()
     variables = tuple(name for name in _VARIABLES if os.environ.get(name))
-    _forget_builds()
+    # First: to forget waits for whoever builds, and what is loaded here is of before.
     before = standing(SOURCES)
+    _forget_builds()
     parts: dict[str, Part] = {}
     coverage: list[ModelReport] = []
 
