@@ -50,10 +50,13 @@ from triaxis.verif.signoff.testplan import testplan_part
 _BUILT = ("library", "simulation", "elaborated", "runtime", "mutation", "faults", "coverage")
 # Named by a hash of what they are of; outcomes of mutants, which lie beside them, are not.
 _OF_A_BUILD = re.compile(r"-[0-9a-f]{12}$")
-# By which Python, the loader or the compiler take other files than those that are installed.
+# By which Python, the loader, the compiler, cocotb or Coq take other files than those that are installed, or
+# bytecode that was there before; by which cocotb takes what is unknown for a number.
 _VARIABLES = (
-    "PYTHONPATH", "PYTHONHOME", "LD_PRELOAD", "LD_LIBRARY_PATH", "CPATH", "CPLUS_INCLUDE_PATH",
-    "LIBRARY_PATH", "CXXFLAGS", "CPPFLAGS", "LDFLAGS",
+    "PYTHONPATH", "PYTHONHOME", "PYTHONUSERBASE", "PYTHONPYCACHEPREFIX", "LD_PRELOAD", "LD_AUDIT",
+    "LD_LIBRARY_PATH", "CPATH", "CPLUS_INCLUDE_PATH", "LIBRARY_PATH", "COMPILER_PATH", "GCC_EXEC_PREFIX",
+    "CXXFLAGS", "CPPFLAGS", "LDFLAGS", "GPI_EXTRA", "GPI_USERS", "PYGPI_USERS", "PYGPI_PYTHON_BIN",
+    "COCOTB_RESOLVE_X", "COCOTB_TRUST_INERTIAL_WRITES", "COQPATH", "COQLIB",
 )  # fmt: skip
 _PACKAGES = ("golden", "sim", "coverage", "fpga", "host", "verif", "bench")
 

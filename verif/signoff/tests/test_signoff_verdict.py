@@ -366,6 +366,13 @@ def test_what_is_written_to_meanwhile_is_a_problem_though_it_is_as_before(stubbe
 
 
 def test_variables_that_bring_other_files_are_told(stubbed):
+    for name in signoff_run._VARIABLES:
+        stubbed.delenv(name, raising=False)
+    # Bytecode that is kept elsewhere is not forgotten; cocotb takes unknown values for zeros.
+    for name in ("PYTHONPYCACHEPREFIX", "COMPILER_PATH", "COCOTB_RESOLVE_X"):
+        with stubbed.context() as patch:
+            patch.setenv(name, "zeros")
+            assert signoff_run.signoff(1, lambda _: None).variables == (name,)
     stubbed.setenv("PYTHONPATH", "/elsewhere")
     found = signoff_run.signoff(1, lambda _: None)
     assert found.variables == ("PYTHONPATH",)
