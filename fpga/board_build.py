@@ -59,9 +59,9 @@ WHOLE_PART = Limits(**vars(XC7A100T))
 
 
 def generics(parameters: BoardParameters, build_id: int = 0) -> dict[str, str]:
-    """Return the top's sizes as Verilog constants; ``build_id`` has 32 bits."""
+    """Return the top's parameters as Verilog constants, all that were simulated; ``build_id`` has 32 bits."""
     return {
-        **{name: str(value) for name, value in parameters.sizes.items()},
+        **{name: str(value) for name, value in parameters.rtl.items()},
         "Certify": f"1'b{int(parameters.certify)}",
         "BuildId": f"32'h{build_id:08x}",
     }

@@ -63,7 +63,8 @@ def test_a_build_that_is_in_time(tmp_path):
     synthesis, saif = said["synth_design"], said["read_saif"]
     given = {value for option, value in pairwise(synthesis) if option == "-generic"}
     sizes = {"W=16", "M=16", "Depth=4096", "Group=8", "Lanes=8"}
-    assert given == {*sizes, "Certify=1'b1", "BuildId=32'hdeadbeef"}
+    times = {f"{name}={value}" for name, value in SIGNED_OFF.rtl.items() if name.endswith(("Clocks", "Bits"))}
+    assert len(times) == 5 and given == {*sizes, *times, "Certify=1'b1", "BuildId=32'hdeadbeef"}
     assert (synthesis[synthesis.index("-part") + 1], synthesis[synthesis.index("-top") + 1]) == (PART, TOP)
     assert (saif[saif.index("-strip_path") + 1], saif[-1]) == (TOP, str(tmp_path / "activity.saif"))
     assert said["read_xdc"][-1] == str(CONSTRAINTS)

@@ -4,13 +4,14 @@ import os
 import time
 from collections import defaultdict
 from collections.abc import Callable, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from functools import cached_property, partial
 from pathlib import Path
 from typing import Any, TypeVar
 
 from triaxis.coverage.report import ModelReport
 from triaxis.coverage.waiver_upkeep import exclusion_records
+from triaxis.fpga.board_build import SIGNED_OFF
 from triaxis.golden.axes import NUM_AXES
 from triaxis.golden.pairs import NO_AXIS
 from triaxis.golden.processes import threads
@@ -94,6 +95,12 @@ class SimulationResult:
             if axis not in axes
         ]
 
+    @property
+    def _shipped(self) -> bool:
+        """Return whether a run was of the very board of which a bitstream is made."""
+        boards = (r.settings.board_parameters for r in self.runs if r.settings.block is Block.BOARD)
+        return any(replace(board, build_id=SIGNED_OFF.build_id) == SIGNED_OFF for board in boards)
+
     @cached_property
     def problems(self) -> list[str]:
         """Return the reasons for a failure, one line each, as they are when first asked for."""
@@ -112,6 +119,8 @@ class SimulationResult:
             found.append("the mesh engine decided no pair of a scene")
         if not self.board_counts["gos"]:
             found.append("the board never said go")
+        if not self._shipped:
+            found.append(f"no run was of {SIGNED_OFF.name}, the board of which a bitstream is made")
         if not self.scenes:
             found.append("no scene was checked")
         if self.checked < self.least_pairs:

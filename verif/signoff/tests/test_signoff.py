@@ -9,6 +9,7 @@ import pytest
 from triaxis.coverage.core_coverage import core_model
 from triaxis.coverage.counts import Counts
 from triaxis.coverage.report import IllegalHit, ItemReport, ModelReport
+from triaxis.fpga.board_build import SIGNED_OFF, generics
 from triaxis.golden.errors import InputError
 from triaxis.sim.configuration import Configuration
 from triaxis.sim.mesh_engine import MeshEngine
@@ -42,9 +43,11 @@ ENGINE = replace(
 )
 BOARD = replace(
     CORE,
-    settings=run_settings("BoardGoTest", "board_w12_m5_d128_g8_l4", 1, 10),
+    settings=run_settings("BoardGoTest", SIGNED_OFF.name, 1, 10),
     counts={"accepted": 100, "checked": 100, "clocks": 9000, "runs": 9, "gos": 5, "resets": 1, "failed": 0},
 )
+# Of its sizes, with other times.
+OTHER_BOARD = replace(BOARD.settings, config=SIGNED_OFF.name.removesuffix("_real"))
 SCENE = SceneResult("scene", "near", "near", True, 10, 5, 5, 1)
 OTHER_SCENE = replace(SCENE, found="clear")
 ILLEGAL = IllegalHit("flags", 1, "never")
@@ -83,6 +86,7 @@ GOOD = SimulationResult(
         (runs(core=replace(CORE, passed=False)), "RandomTest in w16_m0 failed"),
         (runs(core=replace(CORE, counts=None)), "0 pairs checked"),
         (runs(board=replace(BOARD, counts={**(BOARD.counts or {}), "gos": 0})), "never said go"),
+        (runs(board=replace(BOARD, settings=OTHER_BOARD)), f"no run was of {SIGNED_OFF.name}"),
         (runs(engine=replace(ENGINE, passed=False)), "MeshRandomTest in mesh_"),
         (runs(engine=replace(ENGINE, counts={**MESH_COUNTS, "checked": 0})), "no pair of a scene"),
         (counted(checked=199_999), "199999 pairs"),
@@ -107,6 +111,14 @@ GOOD = SimulationResult(
 def test_each_shortfall_is_a_problem(change, message):
     problems = replace(GOOD, **change).problems
     assert any(message in problem for problem in problems) if message else not problems, problems
+
+
+def test_a_bitstream_is_given_each_parameter_as_it_was_simulated():
+    given = {
+        name: int(value.rpartition("'")[2].lstrip("bh"), 16 if "'h" in value else 10)
+        for name, value in generics(SIGNED_OFF, 0xC0DE).items()
+    }
+    assert given == replace(SIGNED_OFF, build_id=0xC0DE).rtl
 
 
 def test_plan_covers_widths_margins_and_builds():
