@@ -12,6 +12,7 @@ from triaxis.sim.build import rtl_hash
 from triaxis.sim.core_engine import CoreError
 from triaxis.sim.evidence import read_evidence
 from triaxis.sim.programs import yosys_version
+from triaxis.sim.simulators import icarus_installed, icarus_version
 from triaxis.sim.validity import Sources, validity
 from triaxis.verif.code_coverage import run as code_coverage
 from triaxis.verif.exhaustive.grid import Grid
@@ -118,7 +119,7 @@ def results_beside() -> dict[str, Part]:
         here, evidence = vars(validity(one.sources)), part.evidence
         if evidence is None:
             part = Part(None, f"run `{one.command}`")
-        elif any(evidence.get(name) != value for name, value in {**here, **_synthesiser(evidence)}.items()):
+        elif any(evidence.get(name) != value for name, value in {**here, **_tools(evidence)}.items()):
             part = Part(
                 None, f"what is in build/ is of another RTL, environment or tool: run `{one.command}`"
             )
@@ -126,13 +127,16 @@ def results_beside() -> dict[str, Part]:
     return found
 
 
-def _synthesiser(evidence: Evidence) -> dict[str, str]:
-    """Return what names the synthesiser in a result, as today's would be: as nothing where it is absent."""
+def _tools(evidence: Evidence) -> dict[str, str]:
+    """Return what names the tools in a result, as today's would be: as nothing where one is absent."""
     names = [name for name in ("synthesiser", "elaborated_by") if name in evidence]
     try:
-        return {name: yosys_version() for name in names}
+        found = {name: yosys_version() for name in names}
     except InputError:
-        return dict.fromkeys(names, "")
+        found = dict.fromkeys(names, "")
+    if "simulator" in evidence:
+        found["simulator"] = icarus_version() if icarus_installed() else ""
+    return found
 
 
 def make_beside(seed: int, progress: Progress) -> dict[str, Part]:

@@ -134,14 +134,16 @@ def test_what_stands_beside_may_be_absent_but_not_fail(tmp_path):
     assert not failed.passed and "four state: 2 values unknown" in failed.problems
 
 
-@pytest.mark.parametrize("key", ["rtl_hash", "environment_hash", "verilator", "synthesiser"])
+@pytest.mark.parametrize("key", ["rtl_hash", "environment_hash", "verilator", "synthesiser", "simulator"])
 def test_what_stands_beside_is_of_this_rtl_and_this_environment(tmp_path, monkeypatch, key):
     path = tmp_path / "netlist.json"
     one = replace(signoff_parts._BESIDE["netlist"], path=path, sources=SOURCES)
     monkeypatch.setattr(signoff_parts, "_BESIDE", {"netlist": one})
     monkeypatch.setattr(signoff_parts, "yosys_version", lambda: "Yosys 0.99")
+    monkeypatch.setattr(signoff_parts, "icarus_installed", lambda: True)
+    monkeypatch.setattr(signoff_parts, "icarus_version", lambda: "Icarus 99")
     assert signoff_parts.results_beside()["netlist"].absent == "run `make netlist`"
-    here = {**vars(validity(SOURCES)), "synthesiser": "Yosys 0.99"}
+    here = {**vars(validity(SOURCES)), "synthesiser": "Yosys 0.99", "simulator": "Icarus 99"}
     path.write_text(json.dumps(evidence(**here)))
     assert signoff_parts.results_beside()["netlist"].evidence
     path.write_text(json.dumps(evidence(**{**here, key: "another"})))
