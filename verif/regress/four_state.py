@@ -18,6 +18,7 @@ from triaxis.sim.paths import BUILD, DUT
 from triaxis.sim.programs import yosys_version
 from triaxis.sim.simulators import ICARUS, icarus_version
 from triaxis.sim.validity import Sources, Validity, standing
+from triaxis.verif.regress.one_job import LEAST_SENT
 from triaxis.verif.testbench.settings import PIN, TEST_DATA, TEST_MODULES, Block, RunSettings
 from triaxis.verif.testbench.simulation import RunResult, build_for, run, run_settings
 from triaxis.verif.testbench.table import table
@@ -98,6 +99,12 @@ class FourStateResult:
             f"{ran.settings.replay_command}"
             for ran in self.runs
             if not ran.passed
+        ]
+        found += [
+            f"{ran.settings.test} in {ran.settings.config}: {ran.counts['accepted']} of {ran.settings.pairs} "
+            "pairs sent"
+            for ran in self.runs
+            if ran.passed and ran.counts and ran.counts["accepted"] < LEAST_SENT * ran.settings.pairs
         ]
         found += ["no output was looked at"] if not self.looked else []
         return found + (["the RTL or its environment changed meanwhile"] if self.changed else [])

@@ -7,11 +7,14 @@ import pytest
 from triaxis.golden.errors import InputError
 from triaxis.sim import simulators
 from triaxis.sim.simulators import ICARUS, compiled_for, icarus_installed
+from triaxis.sim.validity import Validity
 from triaxis.verif.core.tests.broken_rtl import broken_rtl
-from triaxis.verif.regress.four_state import plan, run_four_state, write_result
+from triaxis.verif.regress.four_state import FourStateResult, plan, run_four_state, write_result
 from triaxis.verif.testbench.settings import Block
-from triaxis.verif.testbench.simulation import program_of, run, run_settings
+from triaxis.verif.testbench.simulation import RunResult, program_of, run, run_settings
+from triaxis.verif.testbench.unknown_values import unknown_file
 
+HERE = Validity("a" * 64, "b" * 64, "5.048")
 needs_icarus = pytest.mark.skipif(not icarus_installed(), reason="Icarus is not installed: iverilog")
 
 
@@ -84,6 +87,17 @@ def test_what_is_unknown_is_seen_on_the_board(tmp_path, broken):
     result = run_four_state(1, lambda _: None, [settings], broken_rtl(tmp_path, *[change][:broken]))
     assert result.looked > 30_000 and (result.unknown > 0) == broken
     assert ("uart_tx_o is unknown" in result.problems[0]) == broken
+
+
+def test_a_run_that_sends_less_than_it_is_asked_for_is_a_problem(tmp_path):
+    (settings,) = small_runs(tmp_path)
+    unknown = unknown_file(tmp_path / "run")
+    unknown.parent.mkdir()
+    unknown.write_text('{"looked": 9, "unknown": 0}')
+    for accepted, said in ((60, []), (30, ["FarTest in w16_m0: 30 of 60 pairs sent"])):
+        counts = {"accepted": accepted, "checked": accepted, "failed": 0}
+        ran = RunResult(settings, True, 1.0, counts, (), tmp_path / "log")
+        assert FourStateResult((ran,), HERE, False, 1.0).problems == said
 
 
 def test_the_plan_has_every_test_of_resets_and_ten_thousand_pairs():
