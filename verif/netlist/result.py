@@ -1,7 +1,8 @@
 """What comes of the netlists: runs on them, proofs of modules, and the file that keeps both."""
 
+import re
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from concurrent.futures import as_completed
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
@@ -9,6 +10,7 @@ from pathlib import Path
 from triaxis.golden.outputs import make_folder
 from triaxis.golden.processes import threads
 from triaxis.sim.board_parameters import is_board_configuration
+from triaxis.sim.build import rtl_files
 from triaxis.sim.evidence import write_evidence
 from triaxis.sim.paths import DUT
 from triaxis.sim.programs import yosys_version
@@ -19,8 +21,10 @@ from triaxis.verif.netlist.gates import FOLDER, NOT_SIMULATED, SCOPES, Scope, ru
 from triaxis.verif.netlist.module_proofs import NOT_PROVED, PROOFS
 from triaxis.verif.testbench.settings import BOARD_TESTS, CORE_TESTS, ENTRY, MESH_TESTS, TEST_DATA
 from triaxis.verif.testbench.simulation import RunResult
+from triaxis.verif.testbench.table import table
 
 RESULT = FOLDER / "netlist.json"
+_MODULE = re.compile(r"^module (\w+)", re.MULTILINE)
 # The tests are loaded by name.
 SOURCES = Sources(
     ("triaxis.verif.netlist.result", ENTRY, *CORE_TESTS, *MESH_TESTS, *BOARD_TESTS),
@@ -42,6 +46,29 @@ class GateRun:
     told: tuple[str, ...]
 
 
+def left_out(proved: Iterable[str], simulated: Iterable[str]) -> list[str]:
+    """Return the modules of dut/, and the configurations of a sign-off, that are neither checked nor named
+    with the reason why not, a line each.
+    """
+    texts = [path.read_text(encoding="utf-8") for path in rtl_files()]
+    modules = {name for text in texts for name in _MODULE.findall(text)}
+    signed = {
+        config
+        for entry in table().values()
+        for configs in (*(runs.configs for runs in entry.runs if runs.signoff), entry.volume)
+        for config in configs
+    }
+    silent = {
+        "proved": modules.difference(proved, NOT_PROVED),
+        "simulated as a netlist": signed.difference(simulated, NOT_SIMULATED),
+    }
+    return [
+        f"{name}: neither {what}, nor named with the reason why not"
+        for what, names in silent.items()
+        for name in sorted(names)
+    ]
+
+
 def _of_board(run: GateRun) -> bool:
     return is_board_configuration(run.config)
 
@@ -61,7 +88,8 @@ class NetlistResult:
     """What came of all runs and proofs.
 
     ``not_proved``: modules that no tool proves here, ``not_simulated``: signed configurations of which no
-    netlist is simulated, each with the reason.
+    netlist is simulated, each with the reason; ``silent``: what is neither checked nor there, as `left_out`
+    tells it.
     """
 
     runs: tuple[GateRun, ...]
@@ -72,6 +100,7 @@ class NetlistResult:
     changed: bool = False
     not_proved: Mapping[str, str] = field(default_factory=lambda: NOT_PROVED)
     not_simulated: Mapping[str, str] = field(default_factory=lambda: NOT_SIMULATED)
+    silent: Sequence[str] = ()
 
     @property
     def problems(self) -> list[str]:
@@ -82,6 +111,7 @@ class NetlistResult:
                 *outcome.finding.problems,
                 *(f"not decided: {why}" for why in outcome.finding.undecided),
             ]
+        found += self.silent
         return [*found, "the RTL or its environment changed meanwhile"] if self.changed else found
 
     @property
@@ -141,6 +171,7 @@ def check_all(seed: int, progress: Callable[[int], None], jobs: int = 2) -> Netl
     return NetlistResult(
         tuple(map(gate_run, SCOPES, results)), tuple(one.result() for one in proving), seed,
         time.monotonic() - start, before.valid_for, not before.stands,
+        silent=left_out((proof.name for proof in PROOFS), (scope.config for scope in SCOPES)),
     )  # fmt: skip
 
 

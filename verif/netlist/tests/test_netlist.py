@@ -21,7 +21,7 @@ from triaxis.verif.netlist.gates import (
     synthesised,
 )
 from triaxis.verif.netlist.module_proofs import NOT_PROVED, PROOFS, ModuleProof
-from triaxis.verif.netlist.result import GateRun, NetlistResult, gate_run, write_result
+from triaxis.verif.netlist.result import GateRun, NetlistResult, gate_run, left_out, write_result
 from triaxis.verif.signoff.plan import plan
 from triaxis.verif.testbench.simulation import RunResult, model_of
 
@@ -49,6 +49,18 @@ def test_every_module_is_proved_or_named_with_a_reason():
     }
     proved = [proof.name for proof in PROOFS]
     assert sorted([*proved, *NOT_PROVED]) == sorted(modules)
+
+
+def test_what_is_neither_checked_nor_named_fails():
+    proved, simulated = [proof.name for proof in PROOFS], [scope.config for scope in SCOPES]
+    assert left_out(proved, simulated) == []
+    why = "nor named with the reason why not"
+    silent = left_out(proved[1:], simulated[1:])
+    assert silent == [
+        f"{proved[0]}: neither proved, {why}", f"{simulated[0]}: neither simulated as a netlist, {why}"
+    ]  # fmt: skip
+    result = replace(_DONE, silent=silent)
+    assert result.problems == silent and not result.passed
 
 
 def test_every_signed_configuration_is_simulated_as_a_netlist_or_named_with_a_reason():
