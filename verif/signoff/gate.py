@@ -10,7 +10,7 @@ from triaxis.coverage.waiver_upkeep import waiver_problems
 from triaxis.golden.errors import InputError
 from triaxis.golden.input_file import read_input
 from triaxis.sim.validity import Sources
-from triaxis.verif.signoff.verify import contradictions, figures, left_open
+from triaxis.verif.signoff.verify import ABSENT, contradictions, figures, left_open
 from triaxis.verif.testbench.settings import TEST_DATA, TEST_MODULES
 
 # The parts of the evidence, in the order of the report.
@@ -106,6 +106,7 @@ def _by_its_counts(content: dict[str, Any]) -> list[str]:
         found = [*left_open(content, "signoff"), *contradictions(parts, content["whole"])]
         counted = figures(parts)
         absent = {name.replace("_", " ") for name, part in beside.items() if set(part) == {"absent"}}
+        absent |= {proof["name"] for proof in parts["proofs"]["proofs"] if proof["result"] == ABSENT}
         untold = absent - {line.partition(":")[0] for line in content["exceptions"]}
     except (ValueError, LookupError, TypeError, AttributeError, RecursionError) as error:
         return [f"{type(error).__name__}: {error}: run `make signoff` again"]

@@ -116,9 +116,8 @@ def contradictions(parts: dict[str, Any], whole: bool) -> Iterator[str]:
     yield from (f"coverage: {name}: {item}" for name, item in items if not 0 <= item["hit"] <= item["total"])
     scenes = simulation["scenes"] + (simulation["real_meshes"] or [])
     yield from (f"scene {x['name']}: {x['found']}" for x in scenes if x["found"] != x["expected"])
-    for proof in parts["proofs"]["proofs"]:
-        if proof["result"] != PROVED and (whole or (proof["name"], proof["result"]) != MAY_BE):
-            yield f"proofs: {proof['name']}: {proof['result']}"
+    unproved = [(x["name"], x["result"]) for x in parts["proofs"]["proofs"] if x["result"] != PROVED]
+    yield from (f"proofs: {name}: {what}" for name, what in unproved if whole or (name, what) != MAY_BE)
 
 
 def _verdict(folder: Path) -> Iterator[str]:
@@ -138,8 +137,9 @@ def _verdict(folder: Path) -> Iterator[str]:
     yield from contradictions(parts, whole)
     run, told = parts["mutation"], {line.partition(":")[0] for line in signoff["exceptions"]}
     taken = {said for key, said in TAKEN if run[key]} | {x.replace("_", " ") for x in beside.keys() - needed}
+    taken |= {proof["name"] for proof in parts["proofs"]["proofs"] if proof["result"] == ABSENT}
     if taken - told or (whole and (taken or run["sample"] is not None)):
-        yield "mutation, beside: not every mutant was played, or something is absent, and that is not said"
+        yield "mutation, proofs, beside: not all was played, or something is absent, and that is not said"
     stored, found = signoff["figures"], figures(parts)
     bounds = tomllib.loads((folder / "source/coverage/stages.toml").read_text())
     for name in sorted(stored.keys() | found.keys() | bounds.keys()):

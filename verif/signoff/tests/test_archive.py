@@ -148,6 +148,17 @@ CHANGES = [
     ),
     (first("proofs", "proofs", passed=False), "proofs_passed: 0"),
     (first("proofs", "proofs", result="not measured"), "proofs: order: not measured"),
+    (
+        lambda c: c["parts"]["proofs"]["proofs"].append(
+            {
+                **c["parts"]["proofs"]["proofs"][0],
+                "name": "theorem",
+                "passed": False,
+                "result": "not measured",
+            }
+        ),
+        "and that is not said",
+    ),
     (first("testplan", "testpoints", passed=False), "testpoints_v1: 0"),
     (part("testplan", testpoints=[]), "testpoints_v1: None by"),
     (part("faults", passed=False), "faults: did not pass"),

@@ -559,6 +559,9 @@ def test_what_does_not_follow_from_what_was_counted_is_refused(tmp_path):
         assert not refused(tmp_path, content)
         change(content)
         assert any(said in line for line in refused(tmp_path, content)), said
+    content = json.loads(json.dumps(signed(without_coq()).content()))
+    assert not refused(tmp_path, content)
+    assert refused(tmp_path, {**content, "exceptions": []})[0].endswith("theorem: absent, and no exception")
     text = (tmp_path / "signoff.json").read_text()
     (tmp_path / "signoff.json").write_text('{"passed": false, ' + text[1:])
     assert "stands twice" in refusals(tmp_path / "signoff.json", HERE.rtl_hash, HERE.environment_hash)[0]
