@@ -362,11 +362,12 @@ def measure(
     ``progress`` is told of each model twice: when it is built, and when it is done.
     """
     start = time.perf_counter()
+    # Before it may wait for another run: what is loaded and read here is of now.
+    before = standing(SOURCES)
     read = read_waivers(waivers)
     # Two runs at once would write each other's counters.
     make_folder(COUNTERS)
     with FileLock(COUNTERS / ".lock"):
-        before = standing(SOURCES)
         models = (*boards, *engines, *cores, None)
         runs, assessments = _run_all(models, seed, pairs, read, progress or (lambda _: None))
         together = Assessment()

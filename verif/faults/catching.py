@@ -11,7 +11,7 @@ from filelock import FileLock
 from triaxis.golden.outputs import make_folder
 from triaxis.golden.processes import threads
 from triaxis.sim.paths import DUT
-from triaxis.sim.validity import standing
+from triaxis.sim.validity import Standing, standing
 from triaxis.verif.faults import runs
 from triaxis.verif.faults.environment_faults import try_environment, try_healthy_environment
 from triaxis.verif.faults.faulty_rtl import faulty_rtl
@@ -49,17 +49,18 @@ def catch_all(
     Waits while another process does. Raises InputError, before anything runs, where the RTL is no longer what
     a fault changes.
     """
+    # Before it waits: what is loaded here is of now.
+    before = standing(SOURCES, dut)
     make_folder(runs.RUNS)
     with FileLock(runs.RUNS / ".lock"):
-        return _catch_all(progress, seed, faults, dut)
+        return _catch_all(progress, seed, faults, dut, before)
 
 
 def _catch_all(
-    progress: Callable[[int], None], seed: int, faults: Sequence[Fault] | None, dut: Path
+    progress: Callable[[int], None], seed: int, faults: Sequence[Fault] | None, dut: Path, before: Standing
 ) -> FaultsResult:
     start = time.monotonic()
     chosen = _signed_off() if faults is None else tuple(faults)
-    before = standing(SOURCES, dut)
     folders = [faulty_rtl(fault, dut) if fault.patch else dut for fault in chosen]
     outcomes: list[Outcome] = []
     with threads(_JOBS) as pool:

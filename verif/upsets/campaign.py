@@ -17,7 +17,7 @@ from triaxis.golden.errors import InputError
 from triaxis.golden.outputs import make_folder, write_whole
 from triaxis.sim.board_parameters import parse_board_configuration
 from triaxis.sim.evidence import write_evidence
-from triaxis.sim.validity import Provenance, Sources, standing
+from triaxis.sim.validity import Provenance, Sources, Standing, standing
 from triaxis.sim.verilate import library
 from triaxis.verif.testbench.settings import BOARD_TESTS, BURST, ENTRY
 from triaxis.verif.testbench.simulation import run, run_settings
@@ -196,14 +196,18 @@ def upset_board(
         raise InputError(
             f"{config}: its watchdog takes more than {_LONGEST} clocks: give one with short times"
         )
+    # Before it may wait for another campaign: what is loaded here is of now.
+    before = standing(SOURCES)
     make_folder(FOLDER)
     # Two campaigns at once would write each other's runs.
     with FileLock(FOLDER / ".lock"):
-        return _upset_board(progress, seed, upsets, config)
+        return _upset_board(progress, seed, upsets, config, before)
 
 
-def _upset_board(progress: Callable[[int], None], seed: int, upsets: int, config: str) -> UpsetsResult:
-    start, before = time.monotonic(), standing(SOURCES)
+def _upset_board(
+    progress: Callable[[int], None], seed: int, upsets: int, config: str, before: Standing
+) -> UpsetsResult:
+    start = time.monotonic()
     campaign = _Campaign(config, seed, progress)
     outcomes = campaign.run(upsets)
     some = [one.upset for one in outcomes][::_WITHOUT_ONE_IN]

@@ -4,6 +4,8 @@ import json
 import shutil
 import subprocess
 import sys
+import time
+from contextlib import nullcontext
 from pathlib import Path
 
 import pytest
@@ -12,11 +14,14 @@ from triaxis.golden.errors import InputError
 from triaxis.sim import validity
 from triaxis.sim.paths import DUT, ROOT
 from triaxis.sim.validity import Sources, standing
+from triaxis.verif.code_coverage import run as code_coverage
+from triaxis.verif.faults import catching
 from triaxis.verif.mutation.killers import OUTCOMES
 from triaxis.verif.regress.one_job import SOURCES
 from triaxis.verif.signoff import gate
 from triaxis.verif.testbench.settings import block_of
 from triaxis.verif.testbench.table import names_of
+from triaxis.verif.upsets import campaign
 
 
 def names(sources: Sources) -> set[str]:
@@ -125,3 +130,30 @@ def test_an_edit_that_is_taken_back_is_seen(tmp_path):
     again = standing(sources, dut)
     (dut / "core" / "new.sv").write_text("")
     assert not again.stands
+
+
+@pytest.mark.parametrize("method", [code_coverage, catching, campaign])
+def test_what_is_written_to_while_a_method_waits_for_another_run_is_seen(tmp_path, monkeypatch, method):
+    file = tmp_path / "a.sv"
+    file.write_text("module a; endmodule\n")
+    monkeypatch.setattr("triaxis.sim.validity.rtl_files", lambda _: [file])
+    monkeypatch.setattr("triaxis.sim.validity._is_clean", lambda _: True)
+    monkeypatch.setattr(method, "make_folder", lambda _: None)
+
+    class Lock(nullcontext):
+        def __enter__(self):
+            # Time stamps of files may be some milliseconds late.
+            time.sleep(0.05)
+            file.write_text(file.read_text())
+
+    monkeypatch.setattr(method, "FileLock", Lock)
+    if method is code_coverage:
+        monkeypatch.setattr(method, "_run_all", lambda *_: ([], []))
+        assert method.measure(1).changed
+    elif method is catching:
+        assert method.catch_all(lambda _: None, faults=()).changed
+    else:
+        stood: list[bool] = []
+        monkeypatch.setattr(method, "_upset_board", lambda *given: stood.append(given[-1].stands))
+        method.upset_board(lambda _: None)
+        assert stood == [False]
