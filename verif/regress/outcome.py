@@ -77,6 +77,8 @@ class Outcome:
         found += [f"{run}: no result" for run in self.planned if run.key not in done]
         if self.checked < self.regression.least_pairs:
             found.append(f"{self.checked} pairs checked, at least {self.regression.least_pairs} are wanted")
+        if self.regression.all_covered and not self.coverage:
+            found.append("no coverage was collected")
         for model in self.coverage:
             if self.regression.all_covered:
                 found += model.problems

@@ -164,6 +164,7 @@ def outcome(folder: Path = Path(), **changes) -> Outcome:
         ({"coverage": covered(**MISSING)}, "32 of 33 bins hit, missing first: near"),
         ({"coverage": covered(**HIT)}, "illegal bin flags hit 1 times: never"),
         ({"coverage": covered(**HIT), "regression": SMOKE}, "illegal coverage bin flags hit 1 times: never"),
+        ({"coverage": ()}, "no coverage was collected"),
         ({"flaky": (FLAKY,)}, "MixedTest in w16_m0, seed 7 is flaky"),
     ],
 )
