@@ -2,7 +2,7 @@
 
 import hashlib
 import json
-from collections import defaultdict
+from collections import Counter, defaultdict
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -30,6 +30,7 @@ _SEEDS = 1 << 31
 # Of a build: against hanging only. dvsim starts what has the longest limit first; the widest take
 # longest.
 _LIMIT_MINUTES = 240
+_GOALS = frozenset({"regression", "pairs", "coverage", "uncovered"})
 # dvsim's word for a testpoint that no simulation is mapped to.
 _NO_SIMULATION = ["N/A"]
 
@@ -106,6 +107,16 @@ def read_definition(path: Path = DEFINITION) -> Definition:
         if len(items) != len(content["tests"]):
             raise ValueError("two tests have the same name")
         goals = {goal["regression"]: goal for goal in content.get("goals", [])}
+        # Of two the last would count alone, and a goal of another name would ask for nothing.
+        for listed, key in (("goals", "regression"), ("regressions", "name")):
+            counts = Counter(one[key] for one in content.get(listed, []))
+            if twice := [name for name, count in counts.items() if count > 1]:
+                raise ValueError(f"{listed}: two of {', '.join(twice)}")
+        for name, goal in goals.items():
+            if unknown := sorted(goal.keys() - _GOALS):
+                raise ValueError(
+                    f"goals of {name}: {', '.join(unknown)}: one of: {', '.join(sorted(_GOALS))}"
+                )
         regressions = {
             raw["name"]: _regression(raw, goals.pop(raw["name"], {}), items) for raw in content["regressions"]
         }

@@ -84,6 +84,13 @@ def test_dvsim_runs_each_test_in_its_own_configuration(definition, tmp_path):
         ('"build_mode": "w24_m24"', '"build_mode": "w25_m24"', "no build mode w25_m24"),
         ('"--agent pin", "--j', '"--agent pen", "--j', "must be --pairs N, --judged N, --agent pin or burst"),
         ('"regression": "nightly"', '"regression": "daily"', "goals of daily"),
+        (
+            '"pairs": 1000000000, "coverage"',
+            '"pair": 1000000000, "coverage"',
+            "goals of nightly: pair: one of",
+        ),
+        ('"goals": [', '"goals": [{"regression": "nightly", "pairs": 9}, ', "goals: two of nightly"),
+        ('"regressions": [', '"regressions": [{"name": "smoke"}, ', "regressions: two of smoke"),
         ('"tests": ["Reg', '"tests": ["Rag', "no test RagressionsTest_w16_m0"),
         ('"tests": [{', '"tests": {{', "not a definition"),
     ],
