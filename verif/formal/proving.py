@@ -5,7 +5,7 @@ import os
 import time
 from collections.abc import Callable, Sequence
 from concurrent.futures import as_completed
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from pathlib import Path
 
 from filelock import FileLock
@@ -13,10 +13,9 @@ from filelock import FileLock
 from triaxis.golden.errors import InputError
 from triaxis.golden.outputs import make_folder
 from triaxis.golden.processes import threads
-from triaxis.sim.build import rtl_hash
 from triaxis.sim.evidence import write_evidence
 from triaxis.sim.paths import BUILD, DUT, ROOT
-from triaxis.sim.validity import Sources
+from triaxis.sim.validity import Provenance, Sources, standing
 from triaxis.verif.formal.cone import UNPROVED_FILE, Covered, all_registers, by_modules, read_unproved
 from triaxis.verif.formal.proof import Outcome, Proof, Result, require_tools
 from triaxis.verif.formal.proofs import proofs
@@ -36,7 +35,8 @@ class FormalResult:
     outcomes: tuple[Outcome, ...]
     complete: bool
     seconds: float
-    rtl_changed: bool = False
+    valid_for: Provenance
+    changed: bool = False
     # None where only some proofs were run; in place of it, why no register is known.
     registers: Covered | str | None = None
 
@@ -50,7 +50,7 @@ class FormalResult:
             found.append(f"not decided: registers: {self.registers}")
         elif self.registers:
             found += self.registers.problems
-        return [*found, "the RTL changed during the proofs"] if self.rtl_changed else found
+        return [*found, "the RTL or its proofs changed meanwhile"] if self.changed else found
 
     @property
     def exceptions(self) -> list[str]:
@@ -100,10 +100,12 @@ def prove_all(
     if jobs < 1:
         raise InputError(f"jobs {jobs}: must be at least 1")
     outcomes: dict[str, Outcome] = {}
+    # Before it waits: what is loaded here is of now.
+    before = standing(SOURCES, dut)
     make_folder(folder)
     # Another run in the same folder is waited for.
     with FileLock(folder / ".lock"), threads(jobs) as pool:
-        before, start = rtl_hash(dut), time.monotonic()
+        start = time.monotonic()
         running = [pool.submit(outcome_of, proof, dut, folder / proof.name) for proof in chosen]
         for future in as_completed(running):
             outcomes[future.result().proof.name] = future.result()
@@ -111,7 +113,8 @@ def prove_all(
         ordered = tuple(outcomes[proof.name] for proof in chosen)
         complete = len(chosen) == len(proofs())
         registers = _covered(ordered, dut, folder / "registers") if complete else None
-    return FormalResult(ordered, complete, time.monotonic() - start, rtl_hash(dut) != before, registers)
+    seconds = time.monotonic() - start
+    return FormalResult(ordered, complete, seconds, before.valid_for, not before.stands, registers)
 
 
 def _covered(outcomes: Sequence[Outcome], dut: Path, folder: Path) -> Covered | str:
@@ -135,6 +138,7 @@ def write_result(result: FormalResult, command: str, path: Path = RESULT) -> Pat
     if not result.complete:
         raise ValueError("a part of the proofs is no evidence")
     content = {
+        **asdict(result.valid_for),
         "passed": result.passed,
         "problems": result.problems,
         "summary": result.summary,

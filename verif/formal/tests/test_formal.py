@@ -634,7 +634,7 @@ def test_one_failure_fails_all_and_a_part_is_no_evidence(tmp_path, monkeypatch):
 
     part = proving.prove_all(lambda step: None, only="g*", folder=tmp_path)
     assert part.passed and not part.complete
-    assert not replace(part, rtl_changed=True).passed and not replace(part, outcomes=()).passed
+    assert not replace(part, changed=True).passed and not replace(part, outcomes=()).passed
     with pytest.raises(ValueError, match="no evidence"):
         proving.write_result(part, "formal", tmp_path / "part.json")
     with pytest.raises(InputError, match="no such proof"):

@@ -7,9 +7,10 @@ import pytest
 
 from triaxis.golden.errors import InputError
 from triaxis.sim.paths import DUT
+from triaxis.sim.validity import provenance
 from triaxis.verif.formal import coq
 from triaxis.verif.formal.proof import Outcome, Result
-from triaxis.verif.formal.proving import FormalResult
+from triaxis.verif.formal.proving import SOURCES, FormalResult
 
 needs_coq = pytest.mark.skipif(not coq.installed(), reason="Coq is not installed: apt-get install coq")
 
@@ -80,10 +81,12 @@ def test_a_coq_that_does_not_work_decides_nothing(tmp_path, monkeypatch, answer,
 
 
 def test_without_coq_it_is_an_exception_and_no_proof(tmp_path, monkeypatch):
+    here = provenance(SOURCES)
     monkeypatch.setattr(coq.shutil, "which", lambda _: None)
     finding = coq.theorem().prove(DUT, tmp_path)
     assert finding.result is Result.ABSENT
-    result = FormalResult((Outcome(coq.theorem(), finding, 0.0),), complete=True, seconds=0.0)
+    outcomes = (Outcome(coq.theorem(), finding, 0.0),)
+    result = FormalResult(outcomes, complete=True, seconds=0.0, valid_for=here)
     assert not result.passed and not result.problems
     assert result.exceptions == [f"theorem: not measured: coqc is not installed: {coq._INSTALL}"]
     with pytest.raises(InputError, match="install Coq"):

@@ -16,6 +16,8 @@ from triaxis.sim.paths import DUT, ROOT
 from triaxis.sim.validity import Sources, standing
 from triaxis.verif.code_coverage import run as code_coverage
 from triaxis.verif.faults import catching
+from triaxis.verif.formal import proving
+from triaxis.verif.formal.proof import Finding, Proof
 from triaxis.verif.mutation.killers import OUTCOMES
 from triaxis.verif.regress.one_job import SOURCES
 from triaxis.verif.signoff import gate
@@ -132,7 +134,14 @@ def test_an_edit_that_is_taken_back_is_seen(tmp_path):
     assert not again.stands
 
 
-@pytest.mark.parametrize("method", [code_coverage, catching, campaign])
+class Given(Proof):
+    """One that holds."""
+
+    def attempt(self, dut, folder):
+        return Finding()
+
+
+@pytest.mark.parametrize("method", [code_coverage, catching, campaign, proving])
 def test_what_is_written_to_while_a_method_waits_for_another_run_is_seen(tmp_path, monkeypatch, method):
     file = tmp_path / "a.sv"
     file.write_text("module a; endmodule\n")
@@ -152,6 +161,11 @@ def test_what_is_written_to_while_a_method_waits_for_another_run_is_seen(tmp_pat
         assert method.measure(1).changed
     elif method is catching:
         assert method.catch_all(lambda _: None, faults=()).changed
+    elif method is proving:
+        given = [Given(name, "a claim", "given", {}, ()) for name in "ab"]
+        monkeypatch.setattr(method, "proofs", lambda: given)
+        monkeypatch.setattr(method, "require_tools", lambda: None)
+        assert method.prove_all(lambda _: None, only="a").changed
     else:
         stood: list[bool] = []
         monkeypatch.setattr(method, "_upset_board", lambda *given: stood.append(given[-1].stands))
