@@ -11,15 +11,21 @@ from pathlib import Path
 
 from triaxis.fpga.board_build import BOARD_LIMITS, NO_LIMITS, TOP, WHOLE_PART, XC7A100T, Limits, Resources
 from triaxis.fpga.logic_depth import LogicDepth
+from triaxis.golden.errors import InputError
 from triaxis.golden.outputs import write_whole
 from triaxis.sim.configuration import CERTIFIED_TOP, CORE_TOP
 from triaxis.sim.programs import from_one_folder, read_slang, run_to_result, yosys
 
 # LUTs that a cell occupies. Shift registers and RAMs are made of LUTs: RAM32M of four.
 _LUTS = {f"LUT{n}": 1 for n in range(1, 7)} | {
-    "SRL16E": 1, "SRLC32E": 1, "RAM32X1D": 2, "RAM64X1D": 2, "RAM32M": 4, "RAM64M": 4,
+    "SRL16E": 1, "SRLC32E": 1, "RAM32X1D": 2, "RAM64X1D": 2, "RAM128X1D": 4, "RAM32M": 4, "RAM64M": 4,
+    "RAM32X1S": 1, "RAM64X1S": 1, "RAM128X1S": 2, "RAM256X1S": 4,
 }  # fmt: skip
-_FFS = ("FDRE", "FDSE", "FDCE", "FDPE")
+_FFS = tuple(f"FD{kind}E{edge}" for kind in "RSCP" for edge in ("", "_1"))
+# Of blocks of RAM one of 18 kbit counts as half.
+_BRAMS = {"RAMB36E1": 1.0, "RAMB18E1": 0.5}
+# Kinds that take something of which there is a limit.
+_TAKES = re.compile(r"(?:LUT|SRL|RAM|FIFO|FD|LD|DSP).*")
 _MEMORY = re.compile(r"^mapping memory (\S+) via \$__XILINX_(BLOCK|LUT)RAM", re.MULTILINE)
 _KINDS = {"BLOCK": "block", "LUT": "look-up tables"}
 
@@ -76,12 +82,15 @@ def memories(log: str) -> dict[str, str]:
 
 
 def count(cells: Mapping[str, int]) -> Resources:
-    """Return the resources that mapped cells occupy."""
+    """Return the resources that mapped cells occupy; raise InputError for one that would count as nothing."""
+    known = {"DSP48E1", *_LUTS, *_FFS, *_BRAMS}
+    if unknown := sorted(cell for cell in cells if _TAKES.fullmatch(cell) and cell not in known):
+        raise InputError(f"yosys: {unknown[0]}: it is not known what such a cell takes of the part")
     return Resources(
         dsps=cells.get("DSP48E1", 0),
         luts=sum(cells.get(cell, 0) * luts for cell, luts in _LUTS.items()),
         ffs=sum(cells.get(cell, 0) for cell in _FFS),
-        brams=cells.get("RAMB36E1", 0) + cells.get("RAMB18E1", 0) / 2,
+        brams=sum(cells.get(cell, 0) * brams for cell, brams in _BRAMS.items()),
     )
 
 
