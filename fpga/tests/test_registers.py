@@ -62,6 +62,7 @@ def test_its_tests_pass(parameters, tmp_path, monkeypatch):
         build_args=["-Wno-UNOPTFLAT", "--assert", "-CFLAGS", "-std=gnu++20"],
     )  # fmt: skip
     found = runner.test(
-        test_module="soc_tests", hdl_toplevel="triaxis_soc", build_dir=tmp_path, test_dir=tmp_path, seed=1
-    )
+        test_module="soc_tests", hdl_toplevel="triaxis_soc", build_dir=tmp_path, test_dir=tmp_path, seed=1,
+        plusargs=[f"+{name}={value}" for name, value in parameters.items()],
+    )  # fmt: skip
     assert get_results(found) == (TESTS, 0)
