@@ -69,6 +69,9 @@ extern "C" {
 #define TRIAXIS_SOC_REGS__STATUS__BEYOND_WARN_bm 0x1000
 #define TRIAXIS_SOC_REGS__STATUS__BEYOND_WARN_bp 12
 #define TRIAXIS_SOC_REGS__STATUS__BEYOND_WARN_bw 1
+#define TRIAXIS_SOC_REGS__STATUS__TAG_bm 0xff000000
+#define TRIAXIS_SOC_REGS__STATUS__TAG_bp 24
+#define TRIAXIS_SOC_REGS__STATUS__TAG_bw 8
 
 // reg - triaxis_soc_regs::INTERRUPT
 #define TRIAXIS_SOC_REGS__INTERRUPT__DONE_bm 0x1
@@ -131,6 +134,9 @@ extern "C" {
 #define TRIAXIS_SOC_REGS__RUN__TRIAL_bm 0xff00
 #define TRIAXIS_SOC_REGS__RUN__TRIAL_bp 8
 #define TRIAXIS_SOC_REGS__RUN__TRIAL_bw 8
+#define TRIAXIS_SOC_REGS__RUN__TAG_bm 0xff000000
+#define TRIAXIS_SOC_REGS__RUN__TAG_bp 24
+#define TRIAXIS_SOC_REGS__RUN__TAG_bw 8
 
 // reg - triaxis_soc_regs::VERTEX
 #define TRIAXIS_SOC_REGS__VERTEX__VALUE_bm 0xffffffff

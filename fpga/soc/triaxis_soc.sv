@@ -73,6 +73,7 @@ module triaxis_soc
   logic busy, load_ready, run_ready, triangle_fits, run_fits, void_d, void_q, fault;
   logic [1:0] ignored, load_q, mode_q, incomplete_d, incomplete_q, empty;
   logic [$bits(trial_t)-1:0] trial_q;
+  logic [7:0] tag_q;
 
   // Converters of buses write words of which no byte is meant.
   assign ignored[0] = from_bus.LOAD.req && from_bus.LOAD.wr_biten == '0;
@@ -98,6 +99,12 @@ module triaxis_soc
   always_ff @(posedge clk_i or negedge rst_ni) begin
     if (!rst_ni) {wanted_q, void_q, incomplete_q} <= '0;
     else {wanted_q, void_q, incomplete_q} <= {wanted_d, void_d, incomplete_d};
+  end
+
+  // In the clock in which it is shown the run before is no longer: it is void, or busy says that one goes on.
+  always_ff @(posedge clk_i or negedge rst_ni) begin
+    if (!rst_ni) tag_q <= '0;
+    else if (asked.run) tag_q <= from_bus.RUN.wr_data.tag;
   end
 
   always_ff @(posedge clk_i) begin
@@ -226,6 +233,7 @@ module triaxis_soc
   assign to_bus.STATUS.beyond_warn.next = clear && !zones[ZoneWarn];
   assign to_bus.STATUS.overfull_a.next = overfull[0];
   assign to_bus.STATUS.overfull_b.next = overfull[1];
+  assign to_bus.STATUS.tag.next = tag_q;
   // Of nothing all is clear: after a reset, too.
   assign empty = {count_b == '0, count_a == '0};
   assign to_bus.COUNT_A.value.next = 32'(count_a);

@@ -936,6 +936,7 @@ module triaxis_soc_regs (
             readback_data_var[10:8] = hwif_in.STATUS.result.next;
             readback_data_var[11] = hwif_in.STATUS.beyond_slow.next;
             readback_data_var[12] = hwif_in.STATUS.beyond_warn.next;
+            readback_data_var[31:24] = hwif_in.STATUS.tag.next;
         end
         if(rd_mux_addr == 8'hc) begin
             readback_data_var[0] = field_storage.INTERRUPT.done.value;

@@ -84,6 +84,10 @@ package triaxis_soc_regs_pkg;
     } triaxis_soc_regs__STATUS__beyond_warn__in_t;
 
     typedef struct {
+        logic [7:0] next;
+    } triaxis_soc_regs__STATUS__tag__in_t;
+
+    typedef struct {
         triaxis_soc_regs__STATUS__busy__in_t busy;
         triaxis_soc_regs__STATUS__near_waits__in_t near_waits;
         triaxis_soc_regs__STATUS__fault__in_t fault;
@@ -95,6 +99,7 @@ package triaxis_soc_regs_pkg;
         triaxis_soc_regs__STATUS__result__in_t result;
         triaxis_soc_regs__STATUS__beyond_slow__in_t beyond_slow;
         triaxis_soc_regs__STATUS__beyond_warn__in_t beyond_warn;
+        triaxis_soc_regs__STATUS__tag__in_t tag;
     } triaxis_soc_regs__STATUS__in_t;
 
     typedef struct {
@@ -310,7 +315,8 @@ package triaxis_soc_regs_pkg;
     } triaxis_soc_regs__LOAD__external__out_t;
 
     typedef struct packed {
-        logic [15:0] _reserved_31_16;
+        logic [7:0] tag;
+        logic [7:0] _reserved_23_16;
         logic [7:0] trial;
         logic [5:0] _reserved_7_2;
         logic [1:0] mode;

@@ -12,7 +12,7 @@ import cocotb
 import numpy as np
 import pyuvm
 from cocotb.clock import Clock
-from cocotb.triggers import ClockCycles, FallingEdge
+from cocotb.triggers import ClockCycles, FallingEdge, ReadOnly
 from cocotb.utils import get_sim_time
 from cocotb_bus.drivers.amba import AXI4LiteMaster
 from pyuvm import (
@@ -112,7 +112,7 @@ class Status:
             word >> 7 & 1,
             word >> 8 & 7,
         )
-        self.beyond_slow, self.beyond_warn = word >> 11 & 1, word >> 12 & 1
+        self.beyond_slow, self.beyond_warn, self.tag = word >> 11 & 1, word >> 12 & 1, word >> 24
         others = self.busy, self.near_waits, self.fault, self.incomplete, self.overfull, self.result
         assert not self.clear or others == (0, 0, 0, 0, 0, COMPLETE), f"clear, and else: {word:#x}"
 
@@ -553,3 +553,284 @@ class SocBytesTest(Registers):
                 await self.write(2, "CONTROL")
                 for mesh in (A, B):
                     await self.load(mesh, np.zeros((1, 3, 3), np.int64))
+
+
+class Traffic:
+    """Reads and writes by a master that waits for nothing: each channel goes at a pace of its own.
+
+    The rules of AXI4-Lite are looked after: what is on offer stays until it is taken, nothing is held back
+    until someone would take it, nothing is answered that was not asked.
+    """
+
+    def __init__(self, axi, clock, rng):
+        self.bus, self.clock, self.rng = axi.bus, clock, rng
+        self.writes, self.reads, self.seen = [], [], []
+        self.taken = dict.fromkeys(("AW", "W", "B", "AR", "R"), 0)
+        self.valid = dict.fromkeys(self.taken, False)
+        self.offered: dict[str, int | None] = {"B": None, "R": None}
+        self.floors = []
+        self.paces()
+
+    def paces(self):
+        """Choose how fast each channel goes from here on, and which of the answers are to come unasked."""
+        self.pace = {name: float(self.rng.choice((0.1, 0.5, 1))) for name in self.taken}
+        self.late = {name: bool(self.rng.integers(0, 2)) for name in ("B", "R")}
+
+    async def step(self):
+        """Go on by one clock."""
+        await FallingEdge(self.clock)
+        for name, queue in (("AW", self.writes), ("W", self.writes), ("AR", self.reads)):
+            number = self.taken[name]
+            if not self.valid[name] and number < len(queue) and self.rng.random() < self.pace[name]:
+                self.valid[name] = True
+                if name == "W":
+                    self.bus.WDATA.value, self.bus.WSTRB.value = queue[number][1:]
+                elif name == "AW":
+                    self.bus.AWADDR.value = queue[number][0]
+                else:
+                    self.bus.ARADDR.value = queue[number]
+                    self.floors.append(self.taken["B"])
+            getattr(self.bus, f"{name}VALID").value = int(self.valid[name])
+        ready = {}
+        for name in ("B", "R"):
+            waits = self.offered[name] is not None
+            ready[name] = self.rng.random() < self.pace[name] and (waits or not self.late[name])
+            getattr(self.bus, f"{name}READY").value = int(ready[name])
+        await ReadOnly()
+        for name in ("AW", "W", "AR"):
+            if self.valid[name] and int(getattr(self.bus, f"{name}READY").value):
+                self.valid[name] = False
+                self.taken[name] += 1
+        asked = {"B": min(self.taken["AW"], self.taken["W"]), "R": self.taken["AR"]}
+        for name in ("B", "R"):
+            offered = None
+            if int(getattr(self.bus, f"{name}VALID").value):
+                assert int(getattr(self.bus, f"{name}RESP").value) == 0
+                offered = int(self.bus.RDATA.value) if name == "R" else 0
+                assert self.taken[name] < asked[name], "answered before it was asked"
+            kept = self.offered[name]
+            assert kept is None or kept == offered, f"{name}: {kept}, then {offered}"
+            if offered is not None and ready[name]:
+                self.taken[name] += 1
+                if name == "R":
+                    number = len(self.seen)
+                    self.seen.append((self.reads[number], offered, self.floors[number], asked["B"]))
+                offered = None
+            self.offered[name] = offered
+
+    async def end(self):
+        """Go on until all is answered."""
+        for _ in range(200 * (1 + len(self.writes) + len(self.reads))):
+            if self.taken["B"] == len(self.writes) and self.taken["R"] == len(self.reads):
+                return
+            await self.step()
+        raise AssertionError("the bus is held up")
+
+    async def read(self, address):
+        """Read, whatever of the writes was answered."""
+        self.reads.append(address)
+        while len(self.seen) < len(self.reads):
+            await self.step()
+        return self.seen[-1][1]
+
+
+class Meant:
+    """What the meshes and the numbers are meant to be after each write: what a clear may be about."""
+
+    def __init__(self, test):
+        self.test = test
+        self.at = {test.register(name).get_address(): name for name in ("LOAD", "RUN", *MARGINS)}
+        self.at |= {0x20 + 4 * k: "VERTEX" for k in range(9)} | {0x44 + 4 * k: "MOVE" for k in range(3)}
+        self.words = {address: 0 for address, name in self.at.items() if name not in ("LOAD", "RUN")}
+        self.meshes, self.tag, self.run = ([], []), 0, None
+        self.history = [(dict(self.words), 0, None)]
+
+    def signed(self, first, count):
+        words = [self.words[first + 4 * k] for k in range(count)]
+        return [word - (word >> 31 << 32) for word in words]
+
+    def write(self, address, value, strobes=15):
+        name = self.at.get(address, "")
+        if address in self.words:
+            mask = sum(255 << 8 * k for k in range(4) if strobes >> k & 1)
+            self.words[address] = self.words[address] & ~mask | value & mask
+        elif name == "LOAD" and strobes:
+            self.run = None
+            if value & CLEAR:
+                self.meshes[value & 1].clear()
+            else:
+                self.meshes[value & 1].append(np.array(self.signed(0x20, 9)).reshape(3, 3))
+        elif name == "RUN" and strobes:
+            margins = [self.words[at] for at, name in self.at.items() if name in MARGINS]
+            scene = (*(list(mesh) for mesh in self.meshes), self.signed(0x44, 3), *margins)
+            self.tag, self.run = value >> 24, scene if strobes == 15 else None
+        self.history.append((dict(self.words), self.tag, self.run))
+
+    def clear(self, run):
+        """Return whether a run is clear, and beyond slow and warn."""
+        if run is None or not run[0] or not run[1]:
+            return False, False, False
+        a, b, move, margin, slow, warn = run
+        low, high = coordinate_range(self.test.width)
+        moved = np.array(a) + move
+        most = (1 << self.test.margin_bits) - 1
+        if moved.min() < low or moved.max() > high or max(margin, slow, warn) > most:
+            return False, False, False
+        if np.min([*a, *b]) < low or np.max([*a, *b]) > high or self.test.near(a, b, move, margin):
+            return False, False, False
+        return (True, *self.test.beyond(a, b, move, margin, slow, warn))
+
+
+@pyuvm.test()
+class SocTrafficTest(Registers):
+    """However the bus goes, a clear is of the run whose tag it has, and nothing was loaded since."""
+
+    rounds = 12
+
+    async def check(self):
+        self.traffic = Traffic(self.environment.driver.axi, self.top.clk_i, self.rng)
+        self.meant, self.checked, self.floor, self.clears, self.pairs = Meant(self), 0, 0, 0, 0
+        names = ["STATUS", "INTERRUPT", "CONTROL", "LOAD", "RUN", "NEAR", "NEAR_PAIR", *MARGINS]
+        names += [f"{name}_{mesh}" for name in ("COUNT", "SIGNATURE") for mesh in "AB"]
+        self.address = {name: self.register(name).get_address() for name in names}
+        stale = 0
+        for turn in range(1, self.rounds + 1):
+            self.traffic.paces()
+            for _ in range(30):
+                self.anything(turn)
+            await self.traffic.end()
+            self.look()
+            await self.settled()
+            stale += await self.scene(turn)
+        assert stale and self.clears and self.pairs, "no read overtook a write, or nothing was clear, or near"
+        await self.reset_amid()
+
+    def put(self, address, value, strobes=15):
+        value = int(value) & 0xFFFF_FFFF
+        self.traffic.writes.append((address, value, strobes))
+        self.meant.write(address, value, strobes)
+
+    def anything(self, turn):
+        """Ask for whatever may be asked for, whether or not it makes sense."""
+        low, high = coordinate_range(self.width)
+        number = int(self.rng.choice((self.rng.integers(low, high + 1), self.rng.integers(-3, 4), high + 1)))
+        strobes = int(self.rng.choice((15, 15, 15, 0, 3, 8)))
+        match int(self.rng.integers(0, 10)):
+            case 0 | 1:
+                self.put(int(self.rng.choice(list(self.meant.words))), number, strobes)
+            case 2:
+                self.put(self.address["LOAD"], self.rng.integers(0, 4), strobes)
+            case 3 | 4:
+                trial = int(self.rng.choice((0, 0, TRY_MEMORY, TRY_SCRUB)))
+                self.put(self.address["RUN"], turn << 24 | trial << 8 | self.rng.integers(0, 4), strobes)
+            case 5:
+                place = self.address[str(self.rng.choice(("CONTROL", "INTERRUPT")))]
+                self.put(place, self.rng.integers(0, 16), strobes)
+            case 6:
+                self.traffic.reads.append(int(self.rng.choice(list(self.meant.words))))
+            case 7:
+                self.traffic.reads.append(self.address["NEAR_PAIR"])
+            case _:
+                self.traffic.reads.append(self.address["STATUS"])
+
+    def look(self):
+        """Compare what was read with what was written, as far as it may have come by then."""
+        for address, word, least, most in self.traffic.seen[self.checked :]:
+            self.floor = max(self.floor, least)
+            due = self.meant.history[self.floor : most + 1]
+            if address in self.meant.words:
+                fits = [words[address] == word for words, _, _ in due]
+            elif address == self.address["STATUS"]:
+                status = Status(word)
+                told = bool(status.clear), bool(status.beyond_slow), bool(status.beyond_warn)
+                self.clears += status.clear
+                assert status.clear or told == (False, False, False)
+                fits = [
+                    tag == status.tag and (not status.clear or told == self.meant.clear(run))
+                    for _, tag, run in due
+                ]
+            else:
+                continue
+            assert True in fits, f"{address:#x} is {word:#x}, after {self.floor} to {most} writes"
+            self.floor += fits.index(True)
+        self.checked = len(self.traffic.seen)
+
+    async def settled(self):
+        """End what goes on, and take back faults."""
+        self.put(self.address["CONTROL"], 3)
+        await self.traffic.end()
+        while (status := Status(await self.traffic.read(self.address["STATUS"]))).busy or status.near_waits:
+            await self.traffic.read(self.address["NEAR_PAIR"])
+        self.put(self.address["CONTROL"], 2)
+        self.put(self.address["INTERRUPT"], 15)
+        await self.traffic.end()
+        self.look()
+
+    async def scene(self, turn):
+        """Load and run without waiting for an answer; return whether a clear of before was read meanwhile."""
+        meshes = []
+        for mesh in (A, B):
+            self.put(self.address["LOAD"], CLEAR | mesh)
+            at = np.array(((60, 6, 0)[turn % 3] * (1 if mesh == A else -1), 0, 0))
+            meshes.append(at + self.rng.integers(-9, 10, (int(self.rng.integers(1, 4)), 3, 3)))
+            for triangle in meshes[mesh]:
+                for number, coordinate in enumerate(triangle.reshape(9)):
+                    self.put(0x20 + 4 * number, coordinate)
+                self.put(self.address["LOAD"], mesh)
+        margin, *zones = (int(m) for m in self.rng.integers(0, 1 << min(self.margin_bits, 6), 3))
+        move = [int(by) for by in self.rng.integers(-2, 3, 3)]
+        for axis, by in enumerate(move):
+            self.put(0x44 + 4 * axis, by)
+        for name, value in zip(MARGINS, (margin, *zones), strict=True):
+            self.put(self.address[name], value)
+        mode, found, stale = MODE_ALL if turn % 2 else MODE_COUNT, [], 0
+        # Once more, of another tag: what is read before that is written is of the first.
+        for tag in (128 | turn, 192 | turn):
+            self.put(self.address["RUN"], tag << 24 | mode)
+            if tag == 192 | turn:
+                self.traffic.pace |= {"W": 0.1, "AR": 1}
+            while (status := Status(await self.traffic.read(self.address["STATUS"]))).tag != tag:
+                stale |= status.clear
+            while status.busy:
+                if status.near_waits:
+                    pair = await self.traffic.read(self.address["NEAR_PAIR"])
+                    found.append((pair & 0xFFFF, pair >> 16))
+                status = Status(await self.traffic.read(self.address["STATUS"]))
+            self.look()
+            due = self.near(*meshes, move, margin)
+            said = f"{turn}: mode {mode}, move {move}, margin {margin}, zones {zones}"
+            assert (status.result, status.clear, status.incomplete) == (COMPLETE, not due, 0), said
+            assert sorted(found) == (sorted(due) if mode == MODE_ALL else []), said
+            beyond = status.beyond_slow, status.beyond_warn
+            assert beyond == (self.beyond(*meshes, move, margin, *zones) if status.clear else (0, 0)), said
+            assert await self.traffic.read(self.address["NEAR"]) == len(due), said
+            self.pairs += len(found)
+            found.clear()
+        for name, mesh in zip("AB", meshes, strict=True):
+            assert await self.traffic.read(self.address[f"COUNT_{name}"]) == len(mesh)
+            assert await self.traffic.read(self.address[f"SIGNATURE_{name}"]) == self.signature(mesh)
+        assert await self.traffic.read(self.address["INTERRUPT"]) & ~NEAR_WAITS == DONE
+        return stale
+
+    async def reset_amid(self):
+        """Reset while requests are under way: none is answered, and nothing that was loaded is left."""
+        bus = self.traffic.bus
+        for _ in range(8):
+            self.put(self.address["RUN"], MODE_ALL)
+            self.traffic.reads.append(self.address["STATUS"])
+        for _ in range(20):
+            await self.traffic.step()
+        await FallingEdge(self.top.clk_i)
+        self.top.rst_ni.value = 0
+        for name in ("AW", "W", "AR"):
+            getattr(bus, f"{name}VALID").value = 0
+        for _ in range(3):
+            await FallingEdge(self.top.clk_i)
+            assert not int(bus.BVALID.value) and not int(bus.RVALID.value) and not int(self.top.irq_o.value)
+        self.top.rst_ni.value = 1
+        self.traffic = Traffic(self.environment.driver.axi, self.top.clk_i, self.rng)
+        for name in ("STATUS", "COUNT_A", "COUNT_B", "NEAR", "INTERRUPT"):
+            assert await self.traffic.read(self.address[name]) == 0, name
+        self.traffic.writes.append((self.address["RUN"], MODE_COUNT, 15))
+        await self.traffic.end()
+        assert await self.traffic.read(self.address["INTERRUPT"]) == REFUSED

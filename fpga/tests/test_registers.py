@@ -13,7 +13,7 @@ from triaxis.host.cli import DONE, ERROR, main
 from triaxis.sim import toolchain
 from triaxis.sim.paths import DUT, mesh_sources, rtl_sources
 
-TESTS = 6
+TESTS = 7
 
 
 def test_what_is_kept_is_what_the_description_makes():
