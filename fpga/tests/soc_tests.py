@@ -33,6 +33,8 @@ NONE, COMPLETE, FIRST, ABORTED, OVERFLOW, OVERFULL, BAD_MODE, FAULT = range(8)
 MODE_FIRST, MODE_ALL, MODE_COUNT, MODE_NONE = range(4)
 DONE, FAULTED, REFUSED, NEAR_WAITS = 1, 2, 4, 8
 A, B, CLEAR = 0, 1, 2
+# Where the bus is held up a test would wait for ever: some six times what the longest takes.
+LIMIT = {"timeout_time": 2, "timeout_unit": "ms"}
 MARGINS = ("MARGIN", "SLOW", "WARN")
 # triaxis_mesh_pkg: kind 4: the triangles of A where a run uses them; the CRC of the scrub after a run.
 TRY_MEMORY, TRY_SCRUB = 4 << 5 | 4, 4 << 5 | 16
@@ -228,7 +230,7 @@ class Registers(uvm_test):
         raise NotImplementedError
 
 
-@pyuvm.test()
+@pyuvm.test(**LIMIT)
 class SocRegistersTest(Registers):
     """Every register has the value and the access that its description says."""
 
@@ -258,7 +260,7 @@ class SocRegistersTest(Registers):
         assert await self.read("INTERRUPT_ENABLE") == 15
 
 
-@pyuvm.test()
+@pyuvm.test(**LIMIT)
 class SocScenesTest(Registers):
     """Runs over random meshes find the near pairs that there are, in every mode, and say so."""
 
@@ -317,7 +319,7 @@ class SocScenesTest(Registers):
             assert await self.counted() == list(due), move
 
 
-@pyuvm.test()
+@pyuvm.test(**LIMIT)
 class SocZonesTest(Registers):
     """Zones are exact, in whatever order they are asked for, and change nothing of what is near."""
 
@@ -351,7 +353,7 @@ class SocZonesTest(Registers):
             assert told == {(True, 0, 0), *clear}, told
 
 
-@pyuvm.test()
+@pyuvm.test(**LIMIT)
 class SocRefusalsTest(Registers):
     """What cannot be done is refused and told, and a run is not disturbed by it."""
 
@@ -466,7 +468,7 @@ class SocRefusalsTest(Registers):
         assert await self.end() == ([], OVERFULL)
 
 
-@pyuvm.test()
+@pyuvm.test(**LIMIT)
 class SocFaultsTest(Registers):
     """A check that fails ends runs until that was acknowledged."""
 
@@ -508,7 +510,7 @@ class SocFaultsTest(Registers):
             await self.load(mesh, np.zeros((1, 3, 3), np.int64))
 
 
-@pyuvm.test()
+@pyuvm.test(**LIMIT)
 class SocBytesTest(Registers):
     """Parts of words do nothing by halves; what happens while INTERRUPT is written is not lost."""
 
@@ -681,7 +683,7 @@ class Meant:
         return (True, *self.test.beyond(a, b, move, margin, slow, warn))
 
 
-@pyuvm.test()
+@pyuvm.test(**LIMIT)
 class SocTrafficTest(Registers):
     """However the bus goes, a clear is of the run whose tag it has, and nothing was loaded since."""
 
