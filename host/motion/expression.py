@@ -12,7 +12,7 @@ computed with them, and no step may hang on those digits: a comparison, a roundi
 import math
 import re
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from fractions import Fraction
 
 from triaxis.golden.exact import Rational
@@ -37,7 +37,17 @@ LARGEST = 10**9
 NO_VALUE = "has a value that the program does not give it: set it before"
 # Parameters that belong to a subroutine: its arguments.
 ARGUMENTS = 30
-_LARGEST_PARAMETER = 5602
+_LARGEST_PARAMETER = 5601
+# Names whose values the control alone gives (LinuxCNC's manual, G code: overview).
+_CONTROLS_OWN = (
+    "vmajor vminor metric_machine line motion_mode plane ccomp metric imperial absolute incremental "
+    "inverse_time units_per_minute units_per_rev coord_system tool_offset retract_r_plane retract_old_z "
+    "spindle_rpm_mode spindle_css_mode ijk_absolute_mode lathe_diameter_mode lathe_radius_mode "
+    "spindle_on spindle_cw mist flood speed_override feed_override adaptive_feed feed_hold feed rpm "
+    "current_tool current_pocket selected_pocket selected_tool x y z a b c u v w abs_x abs_y abs_z abs_a "
+    "abs_b abs_c abs_u abs_v abs_w value value_returned task call_level remap_level"
+)
+CONTROL_NAMES = frozenset(f"_{name}" for name in _CONTROLS_OWN.split())
 
 
 def exact(value: Value) -> Fraction:
@@ -102,10 +112,25 @@ class Memory:
         """Give a parameter a value; raise ValueError where the control alone does."""
         if isinstance(key, int) and not 1 <= key < 5000:
             raise ValueError(f"#{key} is the control's own: set none but #1 to #4999")
+        if key in CONTROL_NAMES:
+            raise ValueError(f"#<{key}> is the control's own: take another name")
         self._of(key)[key] = value
 
 
 Expression = Callable[[Memory], Value]
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """A parameter as it stands in a text, from ``start`` to ``end``. ``key``: None where it is computed.
+
+    ``asked``: whether it exists is what is asked, by the EXISTS around it.
+    """
+
+    key: Key | None
+    start: int
+    end: int
+    asked: bool = False
 
 
 def number(text: str) -> Fraction:
@@ -118,10 +143,14 @@ def number(text: str) -> Fraction:
 
 @dataclass
 class Scanner:
-    """Reads values from a text, one after another, from ``at`` on. All of it raises ValueError."""
+    """Reads values from a text, one after another, from ``at`` on. All of it raises ValueError.
+
+    ``parameters``: those that have been read.
+    """
 
     text: str
     at: int = 0
+    parameters: list[Parameter] = field(default_factory=list)
 
     def blanks(self) -> str:
         """Go to the next character that is not blank; return it, or nothing at the end."""
@@ -171,19 +200,28 @@ class Scanner:
     def parameter(self) -> Callable[[Memory], Key]:
         """Read a parameter; return what says which it is."""
         self.expect("#", "no parameter")
-        self.blanks()
-        if match := _NAME.match(self.text, self.at):
+        start = self.at - 1
+        if self.blanks() == "<":
+            match = _NAME.match(self.text, self.at)
+            if match is None:
+                raise ValueError("a name with <, #, [ or ] in it, or without an end: take another")
             self.at = match.end()
             name = "".join(match[1].split()).lower()
+            self.parameters.append(Parameter(name, start, self.at))
             return lambda _: name
+        before = self.at
         inner = self.value()
+        number = self.text[before : self.at]
+        self.parameters.append(Parameter(int(number) if number.isdigit() else None, start, self.at))
         return lambda memory: _key(inner(memory))
 
     def _function(self, name: str) -> Expression:
         if name == "exists":
+            start = self.at - len(name)
             self.expect("[", "EXISTS takes a name")
             key = self.parameter()
             self.expect("]", "EXISTS takes one name")
+            self.parameters.append(replace(self.parameters.pop(), start=start, end=self.at, asked=True))
             return lambda memory: _exists(memory, key)
         if name == "atan":
             above = self.bracket()

@@ -21,6 +21,7 @@ from triaxis.host.motion.expression import (
     Expression,
     Key,
     Memory,
+    Parameter,
     Scanner,
     Value,
     exact,
@@ -36,8 +37,11 @@ Taken = TypeVar("Taken")
 AFTER_THE_END = (
     "stands after the end of the program: subroutines come before that, another program is a file of its own"
 )
+LATE_DELETE = "block delete is understood at the beginning of a line only: move it there"
 # Radius and angle of a polar position.
 POLAR = "@^"
+# The number of a spindle has a sign, too.
+_SIGNS = POLAR + "$"
 # Lines that run again, and calls within calls: a program that takes more is taken for one that does not end.
 _MOST_LINES, _MOST_CALLS = 2_000_000, 50
 
@@ -79,15 +83,32 @@ class Word:
 
 
 @dataclass(frozen=True)
+class Computed:
+    """A letter, and what gives its number once it runs. ``text`` is how it stands in the file."""
+
+    letter: str
+    value: Expression
+    text: str
+
+    @property
+    def code(self) -> str:
+        """Return the letter, of which it may be any word."""
+        return self.letter
+
+
+@dataclass(frozen=True)
 class Line:
     """A line that has been read, and not yet run. ``words``: letters and what they will be.
 
-    ``optional``: it begins with the block-delete sign, /. ``wrong``: why it cannot be run, where it cannot.
+    ``sets``, ``reads``: parameters. ``optional``: it begins with the block-delete sign, /. ``wrong``: why it
+    cannot be run, where it cannot.
     """
 
     place: Place
-    words: tuple[Word | tuple[str, Expression, str], ...] = ()
+    words: tuple[Word | Computed, ...] = ()
     settings: tuple[tuple[Callable[[Memory], Key], Expression], ...] = ()
+    sets: tuple[Parameter, ...] = ()
+    reads: tuple[Parameter, ...] = ()
     optional: bool = False
     wrong: InputError | None = None
 
@@ -106,16 +127,21 @@ class Block:
 
 
 @dataclass
-class _Flow:
-    """An O word: its name, what it does, with which values; and what stands between it and its end."""
+class Flow:
+    """An O word: its name, what it does, with which values; and what stands between it and its end.
+
+    ``written``: the name, None where it is computed; ``reads``: parameters.
+    """
 
     place: Place
     name: Callable[[Memory], str]
     does: str
     values: tuple[Expression, ...]
+    written: str | None
+    reads: tuple[Parameter, ...]
     body: "list[_Statement]" = field(default_factory=list)
     # Where the body ended: elseif and else go on there, do has its condition in it.
-    end: "_Flow | None" = None
+    end: "Flow | None" = None
 
     @cached_property
     def breaks(self) -> bool:
@@ -123,7 +149,7 @@ class _Flow:
         return _has_break(self, _named(self))
 
 
-_Statement = Line | _Flow
+_Statement = Line | Flow
 
 
 class _LoopLeft(Exception):  # noqa: N818
@@ -134,13 +160,14 @@ class _Return(Exception):  # noqa: N818
     """The end of a subroutine."""
 
 
-def read_lines(path: Path) -> Iterator[Line | _Flow]:
+def read_lines(path: Path) -> Iterator[Line | Flow]:
     """Yield the lines that are not empty. A single % stands before the first, and after the last."""
     started = closed = False
     for count, line in enumerate(lines_of(path), 1):
         place = Place(path, count)
         try:
-            body = _without_comments(place, line).strip()
+            text = without_comments(place, line)
+            body = text.strip()
             if body == "%":
                 closed = started
                 started = True
@@ -148,10 +175,7 @@ def read_lines(path: Path) -> Iterator[Line | _Flow]:
                 raise place.error(body.split()[0], AFTER_THE_END)
             elif body:
                 started = True
-                parsed = _line(place, body)
-                if isinstance(parsed, _Flow) and COMMENT.split(line)[0].strip() != body:
-                    raise place.error(body.split()[0], "an O word with a comment in it: move that to its end")
-                yield parsed
+                yield read_line(place, line, text)
         except InputError as error:
             # In a branch that is not run, too, as a control may see another end of it there.
             if _SEEN.match("".join(COMMENT.sub("", line).split())):
@@ -159,8 +183,8 @@ def read_lines(path: Path) -> Iterator[Line | _Flow]:
             yield Line(place, wrong=error)
 
 
-def _without_comments(place: Place, line: str) -> str:
-    """Return the line with a blank in place of each comment, ( .. ) or ; to its end."""
+def without_comments(place: Place, line: str) -> str:
+    """Return a line with blanks in place of its comments, but for the last, ( .. ) or ; to its end."""
     kept: list[str] = []
     rest = line
     while match := re.search(r"[();]", rest):
@@ -175,58 +199,66 @@ def _without_comments(place: Place, line: str) -> str:
             raise place.error(tail, "the comment does not end on its line: add ')'")
         if "(" in tail[1:end]:
             raise place.error(tail, "a comment within a comment: remove the inner '('")
-        kept.append(" ")
+        kept.append(" " * (end + 1))
         rest = tail[end + 1 :]
     return "".join((*kept, rest))
 
 
-def _line(place: Place, body: str) -> Line | _Flow:
-    optional = body.startswith("/")
-    rest = body.removeprefix("/").lstrip()
-    match = _FLOW.match(rest)
+def read_line(place: Place, line: str, text: str) -> Line | Flow:
+    """Return what is on a line; raise InputError where it is not understood.
+
+    ``text``: what `without_comments` leaves of it, in which the places of parameters are.
+    """
+    scanner = Scanner(text)
+    optional = scanner.blanks() == "/"
+    if optional:
+        scanner.at += 1
+        scanner.blanks()
+    match = _FLOW.match(text, scanner.at)
     if optional and match:
-        raise place.error(body.split()[0], "an O word that may be left out: begin its line without /")
-    if match:
-        flow = _flow(place, rest, match.end())
-        if flow is not None:
-            return flow
-    words: list[Word | tuple[str, Expression, str]] = []
+        raise place.error(text.split()[0], "an O word that may be left out: begin its line without /")
+    if match and (flow := _flow(place, text, match.end())):
+        if COMMENT.split(line)[0].strip() != text.strip():
+            raise place.error(text.split()[0], "an O word with a comment in it: move that to its end")
+        return flow
+    words: list[Word | Computed] = []
     settings: list[tuple[Callable[[Memory], Key], Expression]] = []
-    scanner = Scanner(rest)
+    sets: list[Parameter] = []
     while scanner.blanks():
         start = scanner.at
         try:
-            if match := _MACRO.match(rest, start):
+            if match := _MACRO.match(text, start):
                 why = "macros of a control are not understood: have their moves written by the post-processor"
                 raise place.error(match[0], why)
-            if (words or settings) and rest[start] in "oO":
+            if (words or settings) and text[start] in "oO":
                 raise place.error(
-                    rest[start:].split()[0], "an O word begins its line: move it to one of its own"
+                    text[start:].split()[0], "an O word begins its line: move it to one of its own"
                 )
-            if match := _PLAIN.match(rest, start):
+            if match := _PLAIN.match(text, start):
                 scanner.at = match.end()
                 words.append(Word(match[1].upper(), number(match[2]), match[0]))
-            elif rest[start] == "#":
+            elif text[start] == "#":
                 key = scanner.parameter()
+                sets.append(scanner.parameters.pop())
                 scanner.expect("=", "a parameter alone says nothing")
                 settings.append((key, scanner.value()))
             else:
-                letter = rest[start]
-                if not (letter.isascii() and letter.isalpha()) and letter not in POLAR:
-                    raise place.error(rest[start:].split()[0], _why_no_word(rest[start:]))
+                letter = text[start]
+                if not (letter.isascii() and letter.isalpha()) and letter not in _SIGNS:
+                    raise place.error(text[start:].split()[0], _why_no_word(text[start:]))
                 scanner.at += 1
                 value = scanner.value()
-                words.append((letter.upper(), value, rest[start : scanner.at]))
+                words.append(Computed(letter.upper(), value, text[start : scanner.at]))
         except ValueError as error:
             if isinstance(error, InputError):
                 raise
-            raise place.error(rest[start:].split()[0], str(error)) from error
-    return Line(place, tuple(words), tuple(settings), optional)
+            raise place.error(text[start:].split()[0], str(error)) from error
+    return Line(place, tuple(words), tuple(settings), tuple(sets), tuple(scanner.parameters), optional)
 
 
 def _why_no_word(rest: str) -> str:
     if rest[0] == "/":
-        return "block delete is understood at the beginning of a line only: move it there"
+        return LATE_DELETE
     if rest[0] == "%":
         return "'%' stands alone on its line: remove it"
     if rest[0] == "," and rest[1:2].upper() in ("R", "C"):
@@ -234,14 +266,14 @@ def _why_no_word(rest: str) -> str:
     return "not a letter followed by a decimal number: correct it"
 
 
-def _flow(place: Place, text: str, at: int) -> _Flow | None:
+def _flow(place: Place, text: str, at: int) -> Flow | None:
     """Return what an O word does; None where its line is the number of a program."""
-    scanner = Scanner(text, at)
+    scanner, written = Scanner(text, at), None
     try:
         name: Callable[[Memory], str]
         if match := _FLOW_NAME.match(text, at):
             scanner.at = match.end()
-            fixed = "".join((match[1] or str(int(match[2] or 0))).split()).lower()
+            fixed = written = "".join((match[1] or str(int(match[2] or 0))).split()).lower()
             name = lambda _: fixed  # noqa: E731
         else:
             value = scanner.value()
@@ -266,7 +298,7 @@ def _flow(place: Place, text: str, at: int) -> _Flow | None:
             raise ValueError(f"{does} takes one value in brackets: give it")
     except ValueError as error:
         raise place.error(text.split()[0], str(error)) from error
-    return _Flow(place, name, does, tuple(values))
+    return Flow(place, name, does, tuple(values), written, tuple(scanner.parameters))
 
 
 class Execution:
@@ -281,7 +313,7 @@ class Execution:
         ``skip_optional`` leaves out lines that begin with /.
         """
         self._path, self._memory, self._skip = path, memory, skip_optional
-        self._subroutines: dict[str, _Flow] = {}
+        self._subroutines: dict[str, Flow] = {}
         # What the program has come by, as a control does; the loops that repeat just now.
         self._defined, self._repeating = set[str](), set[int]()
         # The loops and branches of a file, or of a subroutine; whether a break is kept.
@@ -301,15 +333,14 @@ class Execution:
     def refuse_following(self) -> None:
         """Raise InputError where anything would run after the block that was yielded last, in any case."""
         for statement in self._program[self._next :]:
-            if isinstance(statement, _Flow) and statement.does == "sub":
+            if isinstance(statement, Flow) and statement.does == "sub":
                 continue
             words = statement.words if isinstance(statement, Line) else ()
             if isinstance(statement, Line) and statement.wrong is not None:
                 raise statement.wrong
-            if words or isinstance(statement, _Flow):
+            if words or isinstance(statement, Flow):
                 first = words[0] if words else None
-                text = "O" if first is None else first.text if isinstance(first, Word) else first[2]
-                raise statement.place.error(text, AFTER_THE_END)
+                raise statement.place.error(first.text if first else "O", AFTER_THE_END)
 
     def _parsed(self, path: Path) -> list[_Statement]:
         """Return the statements of a file, and keep its subroutines."""
@@ -324,8 +355,8 @@ class Execution:
         return found
 
     def _nested(
-        self, lines: Iterator[_Statement], outer: _Flow | None
-    ) -> tuple[list[_Statement], _Flow | None]:
+        self, lines: Iterator[_Statement], outer: Flow | None
+    ) -> tuple[list[_Statement], Flow | None]:
         """Return the statements up to the end of ``outer``, and that end."""
         found: list[_Statement] = []
         for line in lines:
@@ -356,7 +387,7 @@ class Execution:
             raise outer.place.error(f"O {outer.does}", f"has no {_ENDS[outer.does][-1]}: add it")
         return found, None
 
-    def _close(self, lines: Iterator[_Statement], flow: _Flow) -> None:
+    def _close(self, lines: Iterator[_Statement], flow: Flow) -> None:
         flow.body, flow.end = self._nested(lines, flow)
         end = flow.end
         if end is None or end.does not in _ENDS[flow.does]:
@@ -372,7 +403,7 @@ class Execution:
     def _run(self, statements: Sequence[_Statement], top: bool = False) -> Iterator[Block]:
         for index, statement in enumerate(statements):
             self._count(statement)
-            if isinstance(statement, _Flow):
+            if isinstance(statement, Flow):
                 yield from self._run_flow(statement)
                 continue
             if top:
@@ -385,7 +416,7 @@ class Execution:
             self._line = statement.place.line
         if self._ran > self._held + _MOST_LINES:
             why = f"{_MOST_LINES} lines have run again, so the program does not end: correct its loops"
-            raise statement.place.error("O" if isinstance(statement, _Flow) else "line", why)
+            raise statement.place.error("O" if isinstance(statement, Flow) else "line", why)
 
     def _block(self, line: Line) -> Block:
         if line.optional and self._skip:
@@ -402,8 +433,8 @@ class Execution:
             if isinstance(word, Word):
                 words.append(word)
                 continue
-            letter, value, text = word
-            words.append(Word(letter, self._value(line.place, text, value), text))
+            value = self._value(line.place, word.text, word.value)
+            words.append(Word(word.letter, value, word.text))
         for word in words:
             if not abs(word.value) <= LARGEST:
                 raise line.place.error(word.text, f"more than {LARGEST:g}: correct it")
@@ -427,7 +458,7 @@ class Execution:
         except ValueError as error:
             raise place.error(text, str(error)) from error
 
-    def _name(self, flow: _Flow) -> str:
+    def _name(self, flow: Flow) -> str:
         try:
             name = flow.name(self._memory)
         except ValueError as error:
@@ -436,7 +467,7 @@ class Execution:
             raise flow.place.error("O", "a name of letters, digits, - and _, 1 to 64 of them: correct it")
         return name
 
-    def _run_flow(self, flow: _Flow) -> Iterator[Block]:
+    def _run_flow(self, flow: Flow) -> Iterator[Block]:
         does, memory = flow.does, self._memory
         if does == "call":
             yield from self._call(flow)
@@ -459,7 +490,7 @@ class Execution:
         else:
             yield from self._loop(flow)
 
-    def _loop(self, flow: _Flow) -> Iterator[Block]:
+    def _loop(self, flow: Flow) -> Iterator[Block]:
         assert flow.end
         name, left = self._name(flow), 0
         if flow.does == "repeat":
@@ -502,7 +533,7 @@ class Execution:
             finally:
                 self._repeating.discard(id(flow))
 
-    def _left(self, flow: _Flow, place: Place, does: str) -> None:
+    def _left(self, flow: Flow, place: Place, does: str) -> None:
         """Note what a control makes of a break or continue; raise InputError where it goes elsewhere."""
         if flow.does == "repeat":
             raise place.error("O", f"{does} {_NOT_OF_REPEATS}")
@@ -510,7 +541,7 @@ class Execution:
             raise place.error("O", f"{does} {_CONTINUE_KEPT}")
         self._broken = flow.does == "while" and (does == "break" or self._broken or flow.breaks)
 
-    def _call(self, flow: _Flow) -> Iterator[Block]:
+    def _call(self, flow: Flow) -> Iterator[Block]:
         memory = self._memory
         name = self._name(flow)
         beside = self._path.parent / f"{name}.ngc"
@@ -544,7 +575,7 @@ class Execution:
             memory.frames.pop()
             self._depth -= 1
 
-    def _returned(self, flow: _Flow) -> None:
+    def _returned(self, flow: Flow) -> None:
         """Take what a subroutine returns, where its end says it."""
         if flow.values:
             self._memory.common["_value"] = self._value(flow.place, "O", flow.values[0])
@@ -559,9 +590,9 @@ def _numeral(value: Value) -> str:
     return str(int(number))
 
 
-def _has_break(flow: _Flow, name: str) -> bool:
+def _has_break(flow: Flow, name: str) -> bool:
     for statement in flow.body:
-        part = statement if isinstance(statement, _Flow) else None
+        part = statement if isinstance(statement, Flow) else None
         while part is not None:
             if part.does == "break" and _named(part) in (name, f"line {part.place.line}"):
                 return True
@@ -571,7 +602,7 @@ def _has_break(flow: _Flow, name: str) -> bool:
     return False
 
 
-def _named(flow: _Flow) -> str:
+def _named(flow: Flow) -> str:
     """Return a name that is known without running the program; a place for any other."""
     try:
         return flow.name(Memory(lambda _: None))

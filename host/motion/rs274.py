@@ -384,13 +384,13 @@ def read_by_rs274(
     _check_installed()
     text = prepared(path, machine)
     x, y, z = (float(c) for c in start or NOWHERE)
-    # Where it begins, with which tool; then no motion is in force. What waits at the end goes with M2.
+    # Where it begins, with which tool; then no motion is in force.
     first = [f"N0 T{machine.loaded} M6"] if machine.loaded is not None else []
     first += [f"N0 G21 G90 G0 X{x:.9f} Y{y:.9f} Z{z:.9f}", "N0 G80"]
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         (folder / "called").mkdir()
-        (folder / "program.ngc").write_text("\n".join(["%", *first, *text.lines, "N0 M2", "%", ""]), "utf-8")
+        (folder / "program.ngc").write_text("\n".join(["%", *first, *text.lines, "%", ""]), "utf-8")
         for file, lines in text.called.items():
             (folder / "called" / file).write_text("\n".join(lines), "utf-8")
         done = _interpret(folder, machine, skip_optional, Path("program.ngc"), Path("called"), _LONGEST)

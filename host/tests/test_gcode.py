@@ -159,7 +159,9 @@ REFUSED = [
     ("G0 X1\nG55 X2", 2, "G55", "where G55 has its zero, only the machine knows"),
     ("G0 Z9\nF9 G81 X9 Z-3 R2", 2, "G81", "say which, by G99 or G98"),
     ("G0 X1\nG64", 2, "G64", "round corners"),
-    ("G0 X#<_hal[x]>", 1, "X#<_hal[x]>", "no decimal number"),
+    ("G0 X#<_hal[x]>", 1, "X#<_hal[x]>", "take another"),
+    ("#<_task>=5\nG0 X#<_task>", 1, "#", "#<_task> is the control's own"),
+    ("M3 S9 $0", 1, "$0", "not known"),
     ("G0 X#40", 1, "X#40", "has a value that the program does not give it"),
     ("G0 X[1/0]", 1, "X[1/0]", "has no value"),
     ("G0 X[1+2", 1, "X[1+2", "does not end"),
@@ -269,7 +271,7 @@ COMPUTED = [
     ("G0 X[10.0modabs[3]] Y[3xorsin[0]]", [(1, 1, 0)]),
     ("G0 X SIN[30] Y[ATAN[1]/[1]] Z[SQRT[2]*SQRT[2]]", [(0.5, 45, 2)]),
     ("G0 X[ROUND[-2.5]] Y[FIX[-1.5]] Z[FUP[1.2]]", [(-3, -2, 2)]),
-    ("#<_a>=1 #50=50\nG0 X[EXISTS[#<_a>]] Y[EXISTS[#<b>]] Z[##50+EXISTS[#9999]]", [(1, 0, 50)]),
+    ("#<_k>=1 #50=50\nG0 X[EXISTS[#<_k>]] Y[EXISTS[#<b>]] Z[##50+EXISTS[#5602]]", [(1, 0, 50)]),
     ("O1 sub\nG0 X#1 Y#2\nO1 endsub [#1*2]\nO1 call [3] [4]\nG0 Z#<_value>", [(3, 4, 0), (3, 4, 6)]),
     ("O<t> sub\nO2 if [#1 GT 3]\nO<t> return\nO2 endif\nG0 X#1\nO<t> call [#1+1]\nO<t> endsub\nO<T> call [2]",
      [(2, 0, 0), (3, 0, 0)]),
@@ -685,7 +687,7 @@ BOTH = (
     "G20 G90 F10\n#1=[2/3]\nG0 X1 Y#1 Z.5\nG3 X2 I.5 J0\nG18 G2 X2.5 Z.75 R1\nG17\nG91 G1 X-.25\nG90\n"
     "O1 repeat [2]\nG2 X[#5420+.1] I.05\nO1 endrepeat\nG92 X0\nX.1 Y1 R3\n"
     "G92.1\nG10 L20 P2 X0 Y0 Z0\nG55 G1 X.1\n"
-    "(PRINT, 1)\n/ T0 M6\n;debug, #5420\nN7 T1 M6 S9 G43 (z stays)\nX.2\nZ1\nG64 P.001\n"
+    "(PRINT, 1)\n/ T0 M6\n;debug, #5420\nN7.5 T1 M6 S9 G43 (z stays)\nX.2\nZ1\nG64 P.001\n"
     "/G1 X.5\nG98 G83 X.2 Y.1 Z.3 R.6 Q.1\nG80\nG54 G53 G0 X0\nG28 Z2\nM2\n",
     "G21\nG0 X0\nF100 G17 G2 X10 I5 P2 Z3\nG0 X0 Y5\nG1 X1\n",
     # It does not print splines, and knows no tool but by M6.
@@ -918,6 +920,14 @@ NOT_KNOWN_THERE = [
     ("G91 G0 X1\n/M2\nO5\nG0 X2\nM99", "", "begins the program anew"),
     ("O1 if [0]\nM2\nO1 endif\nG0 X1\nO5\nM99", "", "begins the program anew"),
     ("#<m2>=1\nG0 X1\nO5\nM99", "", "begins the program anew"),
+    # What is not reached; a word that goes on after a comment, of which each part would be another.
+    ("G0 X1\nM2\nG0 X2", "", "line 4: word 'g0x2': stands after the end"),
+    ("O1 sub\nO1 if [1]\nO1 endif\nM2\nO1 endsub\nG0 X1\n/M2\nG0 X2\nM30\n(..)\n/G0 X3", "",
+     "line 12: word 'g0x3': stands after"),
+    ("#40=1\n#(c)40=5\nG0 X#40", "", "a comment within a word"),
+    ("G5(c)3 G0 X1", "", "not a letter followed"),
+    ("G(c)53 G0 X1", MACHINE, "a comment within a word"), ("G0 X1\n//G0 X5", "", "'/g0x5': block delete"),
+    ("O1 if [0]\n#<_metric_machine>=1\nO1 endif\nG0 X#<_metric_machine>", "", "'#<_metric_machine>'"),
     # Files that it looks for by number.
     ("M98 P77\nG0 X1\nM2\nO77\nG0 X5\nM99", "", "word 'M98': may call 77.ngc"),
     ("M98 P#31\nG0 X1\nM2", "", "may call 77.ngc"),
@@ -925,7 +935,7 @@ NOT_KNOWN_THERE = [
     ("o077 call\nG0 X1\nM2\no77 sub\nG0 X5\no77 endsub", "", "77.ngc has one of its name"),
     ("o<77> call\nG0 X1\nM2\no 0 77 sub\nG0 X5\no77 endsub", "", "77.ngc has one of its name"),
     # What it refuses, and would not as it is given it; names that it would be given others for.
-    ("12 G0 X5", "", "begins its line without a letter"), ("G0 X1\nN5 %\nX9", "", "'%' stands alone"),
+    ("12 G0 X5", "", "not a letter followed"), ("G0 X1\nN5 %\nX9", "", "'%' stands alone"),
     ("#<exists[#1]>=4\nG0 X1", "", "take another"), ("#<call>=1\nG0 X#<_value>", "", "word '#<_value>'"),
     ("G0 X1\nG55 X2", "", "where G55 has its zero"), ("G53 G0 X1", "", "needs machine coordinates"),
     ("G28", "", "needs machine coordinates"), ("G10 L2 P1 X1", "", "needs machine coordinates"),
@@ -962,7 +972,7 @@ NOT_KNOWN_THERE = [
     ("G0 X#+100\n#100=2", "", "may be any parameter"), ("G0 X#abs[100]", "", "may be any parameter"),
     ("G0 X#-[-100]", "", "may be any parameter"), ("#5=9\nG0 X#5.0", "", "may be any parameter"),
     ("o[100] sub\nG0 X#1\no[100] endsub\nG0 X1", "", "name is computed"),
-    ("o1.0 sub\nG0 X#1\no1.0 endsub\no1 call [3]", "", "name is computed"),
+    ("o1.0 sub\nG0 X#1\no1.0 endsub\no1 call [3]", "", "word 'o1.0sub': says nothing"),
     ("/o1 sub\nG0 X#1\n/o1 endsub\nG0 X2", "", "may be left out"), ("#<o1sub>=3\nG0 X#5", "", "word '#5'"),
     ("O1 if [0]\nG92 X0 Y0 Z0\nO1 endif\nG92.3\nG0 X1", "", "what the control kept before"),
     ("#<g92>=1\nG92.3\nG0 X1", "", "what the control kept before"),
@@ -971,8 +981,9 @@ NOT_KNOWN_THERE = [
     ("G0 X#<_value>", "", "word '#<_value>'"),
     ("G0 X#<_ours>\n#<_ours>=1", "", "line 2: word '#<_ours>'"), ("#5221=1\nG0 X#5221", MACHINE, "'#5221'"),
     # Numbers with signs, or of functions; what only the control has; a main program that begins anew.
-    ("G+53 G0 X1", "", "word 'g+'"), ("Gabs[53] G0 X1", "", "'gabs['"), ("M+61 Q1\nG0 X1", MACHINE, "'m+'"),
-    ("G10 L+2 P1 X5\nG0 X1", "", "'l+'"), ("M[61] Q1\nG0 X1", MACHINE, "word 'm['"),
+    ("G+53 G0 X1", "", "word 'g+53'"), ("Gabs[53] G0 X1", "", "'gabs[53]'"),
+    ("M+61 Q1\nG0 X1", MACHINE, "'m+61'"), ("G10 L+2 P1 X5\nG0 X1", "", "'l+2'"),
+    ("M[61] Q1\nG0 X1", MACHINE, "word 'm[61]'"),
     ("#5222=1\nG0 X1", MACHINE, "'#5222': sets what is the control's"),
     ("G10 L11 P1 Z20\nG0 X1", MACHINE, "by the zero of G59.3"),
     ("G0 X1\nG91 X1\nM99", "", "line 4: word 'm99': begins the program anew"),
@@ -1010,6 +1021,29 @@ def test_numbers_of_parameters_mean_the_same_by_names(tmp_path):
     assert ends == [
         (0, 0, 0), (7, 0, 0), (16, 0, 0), (5, 0, 4), (5, 9, 4), (5, 9, 4), (6, 9, 4),
     ]  # fmt: skip
+
+
+READ_AS_WRITTEN = [
+    # Words in names and comments; blanks within words, and numbers of lines in parts.
+    ("#<m1.5>=2 #<g53>=3 #<_l2>=4\nX#<m1.5> Y#<g53> Z#<_l2>", (2, 3, 4)),
+    ("#<x=1>=7\nX#<x=1>", (7, 0, 0)),
+    ("G 0 X 1 2 (G53) Y[# 3 1 + # 31] ;G28", (12, 16, 0)),
+    ("N5.5 X1\nn 1 2X5", (5, 0, 0)),
+    ("O1 if [#31 EQ 0]\nG53.5 X1\nO1 endif\nX2", (2, 0, 0)),
+    # What is called after the end.
+    ("M98 P9\no<s> call [3]\nM2\no<s> sub\nX#1\no<s> endsub\nO9\nY3\nM99\nX100", (3, 3, 0)),
+    ("%\nX4\nM30\n%", (4, 0, 0)),
+]
+
+
+@pytest.mark.skipif(shutil.which("rs274") is None, reason="rs274 (linuxcnc-uspace) is not installed")
+@pytest.mark.parametrize(("text", "end"), READ_AS_WRITTEN)
+def test_words_are_those_that_linuxcnc_reads(tmp_path, text, end):
+    program = tmp_path / "p.ngc"
+    begin = "G21 G90 G0 X0 #31=8"
+    program.write_text(text.replace("%", f"%\n{begin}", 1) if "%" in text else f"{begin}\n{text}\n")
+    move = read_by_rs274(program, ORIGIN, False, Machine()).moves[-1]
+    assert tuple(map(float, move.end)) == end
 
 
 @pytest.mark.skipif(shutil.which("rs274") is None, reason="rs274 (linuxcnc-uspace) is not installed")
@@ -1121,6 +1155,12 @@ def test_linuxcnc_is_understood_to_the_last_line(tmp_path):
     assert [move.tool for move in moves] == [7] * (len(moves) - 1) + [3]
     assert (moves[0].end[2], moves[-1].end[2]) == (40, 60) and max(move.end[1] for move in moves[:-2]) >= 9
     assert abs(moves[1].end[1] + 8) < 0.001 or abs(moves[2].end[1] + 8) < 0.001
+    program.write_text("G21 F9\nG41 G1 X3 Y-9\nX8\nY9\n(end)\n")
+    assert [move.line for move in read_by_rs274(program, ORIGIN, False, read_machine(file)).moves] == [
+        3,
+        4,
+        4,
+    ]
 
 
 def test_without_linuxcnc_its_reader_is_refused(tmp_path, monkeypatch):
