@@ -103,7 +103,7 @@ def _files(path: Path) -> dict[Path, list[Line]]:
         for count, text in enumerate(lines_of(file), 1):
             line = words_of(Place(file, count), text)
             within |= line.does == "sub"
-            files[file].append(replace(line, within=within))
+            files[file].append(replace(line, within=True) if within else line)
             within &= line.does != "endsub"
         waiting += _called(file, files[file])
     return files
@@ -136,7 +136,7 @@ def _refuse_unknown(files: Mapping[Path, Sequence[Line]], machine: Machine) -> N
     that it mistakes.
     """
     wanting, path, every = list(_wanting(machine)), next(iter(files)), [*chain(*files.values())]
-    set_keys = {parameter.key for line in every for parameter in line.sets}
+    known = _MEANT | ({parameter.key for line in every for parameter in line.sets} - CONTROL_NAMES)
     # M98 calls lines that stand in no subroutine, with the arguments of whoever calls.
     unclear = any(line.any_of("M98") for line in every) and any(line.within for line in every)
     for file, lines in files.items():
@@ -157,21 +157,20 @@ def _refuse_unknown(files: Mapping[Path, Sequence[Line]], machine: Machine) -> N
             if file != path and line.any_of("M6") and line.any_of("G43", "G49"):
                 why = "with a change of the tool, in a file of its own, which it mistakes: give two lines"
                 raise line.place.error("G43", why)
-            for codes, kind, why in wanting:
-                if (word := line.any_of(*codes)) and (not kind or line.any_of(kind)):
-                    raise line.place.error(word.text, why)
             letters = {word.letter for word in line.words}
             # It goes by the linear axes that are named.
             by_linear = letters & set("XYZ") and not letters & set("ABC")
             if machine.rotary and not by_linear and (word := line.any_of("G28", "G30")):
                 why = "turns axes to where only the machine knows: name X, Y or Z, and no other"
                 raise line.place.error(word.text, why)
-            # The last value that a subroutine has returned, of this program once it has called one.
-            known = _MEANT | (set_keys - CONTROL_NAMES) | ({"_value"} if returned else set())
+            for codes, kind, why in wanting:
+                if (word := line.any_of(*codes)) and (not kind or line.any_of(kind)):
+                    raise line.place.error(word.text, why)
             for key in (parameter.key for parameter in line.reads):
                 # Of numbers up to the control's own the interpreter tells.
                 free = isinstance(key, int) and (key < _CONTROLS or key in _POSITION)
-                if not free and key not in known:
+                # The last value that a subroutine has returned, of this program once it has called one.
+                if not (free or key in known or (returned and key == "_value")):
                     raise line.place.error(f"#{key}" if isinstance(key, int) else f"#<{key}>", NO_VALUE)
             numbers = {parameter.key for parameter in (*line.sets, *line.reads)}
             if unclear and not line.within and not numbers.isdisjoint(range(1, ARGUMENTS + 1)):
@@ -179,11 +178,11 @@ def _refuse_unknown(files: Mapping[Path, Sequence[Line]], machine: Machine) -> N
 
 
 def _wanting(machine: Machine) -> Iterator[tuple[Collection[str], str, str]]:
-    """Yield words that a machine does not tell enough for, or needs: with which kind, L, and why."""
+    """Yield words for which a machine does not tell enough, on a line with which L word, if any; and why."""
     tools = machine.tools.values()
     if "G54" not in machine.offsets:
         frame = "needs machine coordinates: give the offset of G54 in a machine file"
-        yield from (((("G10",), "L2", frame)), (("G53", "G28", "G30"), "", frame))
+        yield from ((("G10",), "L2", frame), (("G53", "G28", "G30"), "", frame))
     if not tools or any(tool.length is None for tool in tools):
         lengths = "needs the length of each tool: give all in a machine file"
         yield from ((("G10",), "L1", lengths), (("G43", "G43.1", "G43.2"), "", lengths))

@@ -455,7 +455,7 @@ def test_both_readers_turn_alike(tmp_path):
     # What is not printed of an angle is no turn.
     program.write_text("G21 G90 G61 F100\nG1 X3 C[1/3]\nG92 C[1/7]\nG2 X30 I13.5\nG64 P.1\nG1 X31\nM2\n")
     assert not any(move.turning for move in read_by_rs274(program, NOWHERE, False, machine).moves[1:])
-    for line in ("G28", "G30 C5", "G28 X0 C5", "G[28] C5"):
+    for line in ("G28", "G30 C5", "G28 X0 C5", "G92.1\nG[28] C5"):
         program.write_text(f"G21 G90 G61 F100\nG0 X1\n{line}\nM2\n")
         with pytest.raises(InputError, match="name X, Y or Z"):
             read_by_rs274(program, NOWHERE, False, replace(machine, homes={"G28": NOWHERE, "G30": NOWHERE}))
