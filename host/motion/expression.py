@@ -211,8 +211,8 @@ class Scanner:
             return lambda _: name
         before = self.at
         inner = self.value()
-        number = self.text[before : self.at]
-        self.parameters.append(Parameter(int(number) if number.isdigit() else None, start, self.at))
+        digits = self.text[before : self.at]
+        self.parameters.append(Parameter(int(digits) if digits.isdigit() else None, start, self.at))
         return lambda memory: _key(inner(memory))
 
     def _function(self, name: str) -> Expression:
