@@ -1,7 +1,11 @@
-"""For all tests: ``rng``, from ``--seed`` and the test's own name; no test of yosys runs without it."""
+"""For all tests: ``rng``, from ``--seed`` and the test's own name; no test of yosys runs without it.
+
+What hypothesis draws follows from ``--seed``, too; how long it takes is no failure on a busy machine.
+"""
 
 import numpy as np
 import pytest
+from hypothesis import HealthCheck, settings
 
 from triaxis.sim.programs import YOSYS, executable
 
@@ -9,6 +13,16 @@ from triaxis.sim.programs import YOSYS, executable
 def pytest_addoption(parser: pytest.Parser) -> None:
     """Add ``--seed``."""
     parser.addoption("--seed", type=int, default=1, help="what all random choices follow from (1)")
+
+
+# Before hypothesis's own plug-in, which takes its seed there.
+@pytest.hookimpl(tryfirst=True)
+def pytest_configure(config: pytest.Config) -> None:
+    """Set up hypothesis."""
+    settings.register_profile("triaxis", deadline=None, suppress_health_check=[HealthCheck.too_slow])
+    settings.load_profile("triaxis")
+    if config.option.hypothesis_seed is None:
+        config.option.hypothesis_seed = config.getoption("--seed")
 
 
 def pytest_report_header(config: pytest.Config) -> str:

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from hypothesis import HealthCheck, given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from triaxis.golden.errors import InputError
@@ -397,7 +397,6 @@ def test_every_letter_has_a_word_that_takes_it(read):
 ARC = st.tuples(*[st.decimals(-50, 50, places=3)] * 5)
 
 
-@settings(deadline=None, suppress_health_check=[HealthCheck.too_slow])
 @given(ARC, st.sampled_from(["G17", "G18", "G19"]), st.booleans(), st.integers(1, 2), st.data())
 def test_curves_stay_by_their_chords(tmp_path_factory, numbers, plane, clockwise, turns, data):
     """Points of an arc computed apart, by turning its start, are as near to chords as its bend says."""
@@ -1319,7 +1318,6 @@ DECIMALS = st.decimals(-9999, 9999, places=4)
 
 
 # A slow machine is no failure.
-@settings(deadline=None, suppress_health_check=[HealthCheck.too_slow])
 @given(
     st.lists(st.tuples(DECIMALS, DECIMALS, DECIMALS), min_size=1, max_size=8), st.booleans(), st.booleans()
 )
