@@ -567,8 +567,8 @@ class Traffic:
     def __init__(self, axi, clock, rng):
         self.bus, self.clock, self.rng = axi.bus, clock, rng
         self.writes, self.reads, self.seen = [], [], []
-        self.taken = dict.fromkeys(("AW", "W", "B", "AR", "R"), 0)
-        self.valid = dict.fromkeys(self.taken, False)
+        self.taken: dict[str, int] = dict.fromkeys(("AW", "W", "B", "AR", "R"), 0)
+        self.valid: dict[str, bool] = dict.fromkeys(self.taken, False)
         self.offered: dict[str, int | None] = {"B": None, "R": None}
         self.floors = []
         self.paces()
@@ -645,7 +645,7 @@ class Meant:
         self.at |= {0x20 + 4 * k: "VERTEX" for k in range(9)} | {0x44 + 4 * k: "MOVE" for k in range(3)}
         self.words = {address: 0 for address, name in self.at.items() if name not in ("LOAD", "RUN")}
         self.meshes, self.tag, self.run = ([], []), 0, None
-        self.history = [(dict(self.words), 0, None)]
+        self.history: list[tuple[dict[Any, int], int, Any]] = [(dict(self.words), 0, None)]
 
     def signed(self, first, count):
         words = [self.words[first + 4 * k] for k in range(count)]
@@ -715,7 +715,8 @@ class SocTrafficTest(Registers):
     def anything(self, turn):
         """Ask for whatever may be asked for, whether or not it makes sense."""
         low, high = coordinate_range(self.width)
-        number = int(self.rng.choice((self.rng.integers(low, high + 1), self.rng.integers(-3, 4), high + 1)))
+        drawn = int(self.rng.integers(low, high + 1)), int(self.rng.integers(-3, 4)), high + 1
+        number = int(self.rng.choice(drawn))
         strobes = int(self.rng.choice((15, 15, 15, 0, 3, 8)))
         match int(self.rng.integers(0, 10)):
             case 0 | 1:
@@ -799,12 +800,13 @@ class SocTrafficTest(Registers):
                     found.append((pair & 0xFFFF, pair >> 16))
                 status = Status(await self.traffic.read(self.address["STATUS"]))
             self.look()
-            due = self.near(*meshes, move, margin)
+            a, b = meshes
+            due = self.near(a, b, move, margin)
             said = f"{turn}: mode {mode}, move {move}, margin {margin}, zones {zones}"
             assert (status.result, status.clear, status.incomplete) == (COMPLETE, not due, 0), said
             assert sorted(found) == (sorted(due) if mode == MODE_ALL else []), said
-            beyond = status.beyond_slow, status.beyond_warn
-            assert beyond == (self.beyond(*meshes, move, margin, *zones) if status.clear else (0, 0)), said
+            (slow, warn), beyond = zones, (status.beyond_slow, status.beyond_warn)
+            assert beyond == (self.beyond(a, b, move, margin, slow, warn) if status.clear else (0, 0)), said
             assert await self.traffic.read(self.address["NEAR"]) == len(due), said
             self.pairs += len(found)
             found.clear()
