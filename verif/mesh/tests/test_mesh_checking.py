@@ -7,19 +7,21 @@ import pytest
 
 from triaxis.golden.scene import scene_answer
 from triaxis.sim.mesh_configuration import MeshConfiguration
-from triaxis.sim.mesh_engine import NO_ZONES, Mode, Status
+from triaxis.sim.mesh_engine import NO_ZONES, Mode, Status, Trial
 from triaxis.verif.core.items import ResetSeen
 from triaxis.verif.mesh.checking import SceneChecker
-from triaxis.verif.mesh.expectation import walked
+from triaxis.verif.mesh.expectation import Memory, tried, walked
 from triaxis.verif.mesh.items import (
     AbortAsked,
     CorePairs,
     Loaded,
     NearTaken,
+    ObservedRun,
     RunAccepted,
     RunRequest,
     Summary,
 )
+from triaxis.verif.mesh.sampling import row_of
 from triaxis.verif.mesh.scoreboard import RunMatcher
 
 CONFIGURATION = MeshConfiguration(16, 16, 64, 4, 2, 8)
@@ -65,6 +67,47 @@ class Bench:
         matcher.summary(summary or self.summary)
         assert checker.runs == 1 and not matcher.stray
         return [failure.message for failure in checker.failures]
+
+
+NO = False, False
+TRIANGLE = np.array([[[0, 0, 0], [9, 0, 9], [0, 9, 9]]])
+
+
+def observed(b, tries=(0, 0)):
+    """A run of one triangle and some others, and its answer."""
+    request = RunRequest(tries=tries)
+    return ObservedRun(RunAccepted(request), TRIANGLE, b, NO, NO), scene_answer(TRIANGLE, b, 0, 4)
+
+
+@pytest.mark.parametrize("tries", [(Trial.CLAIM, 3), (Trial.PARITY, 0), (Trial.NUMBER, 2)])
+def test_an_attempt_comes_to_be_tried_where_a_certified_core_is_asked(tries):
+    certified = replace(CONFIGURATION, certified=True)
+    assert tried(*observed(TRIANGLE, tries), certified).comes
+    # The boxes decide; the core has no certifier; nothing is there; the run is refused.
+    run, answer = observed(TRIANGLE, tries)
+    assert not tried(*observed(TRIANGLE + 100, tries), certified).comes
+    assert not tried(run, answer, CONFIGURATION).comes
+    assert not tried(*observed(TRIANGLE[:0], tries), certified).comes
+    assert not tried(run, None, certified).comes
+
+
+def test_a_memory_comes_to_be_tried_where_the_scan_reads_it_or_scrubbing_does():
+    apart = TRIANGLE + 100
+    for memory in Memory:
+        assert tried(*observed(TRIANGLE, (Trial.MEMORY, memory)), CONFIGURATION).comes
+        found = tried(*observed(apart, (Trial.MEMORY, memory)), CONFIGURATION)
+        assert found.comes == found.may_fail == (memory == Memory.GROUPS_A)
+        assert tried(*observed(apart, (Trial.MEMORY, 8 + memory)), CONFIGURATION).comes
+    # One that is no memory's is seen to do nothing by a scan.
+    assert tried(*observed(apart, (Trial.MEMORY, 7)), CONFIGURATION).comes
+    assert not tried(*observed(apart[:0], (Trial.MEMORY, 7)), CONFIGURATION).comes
+
+
+def test_gaps_are_those_of_complete_runs():
+    run, answer = observed(TRIANGLE + 9)
+    ended = Summary(Status.COMPLETE, 50, 0, 1, 0, 1, 1, 3)
+    gaps = [row_of(CONFIGURATION, run, replace(ended, status=status), answer).row_gaps for status in Status]
+    assert [bool(found) for found in gaps] == [status == Status.COMPLETE for status in Status]
 
 
 @pytest.mark.parametrize(
