@@ -1,8 +1,8 @@
-"""What a failed run tells of its log: what went wrong, and not that nothing did."""
+"""What a failed run tells: what went wrong, and not that nothing did; which command repeats it."""
 
 import pytest
 
-from triaxis.verif.testbench.simulation import errors_in
+from triaxis.verif.testbench.simulation import errors_in, run_settings
 
 SUMMARY = """\
  39.00ns INFO     reports.py(45) [RUN] RandomTest, seed 1
@@ -31,3 +31,12 @@ def test_a_log_without_an_error_is_told(tmp_path):
     assert errors_in(tmp_path / "simulation.log")[0] == (
         "no error line in the log: the simulator ended early",
     )
+
+
+def test_the_command_that_repeats_a_replay_names_all_that_it_was_run_with():
+    ran = run_settings("ReplayTest", "w16_m0", 7, 1, "pairs.npz", agent="burst", judged_one_in=9)
+    again = ".venv/bin/triaxis sim ReplayTest --seed 7 --config w16_m0 --replay pairs.npz"
+    assert ran.replay_command == f"{again} --agent burst --judged 9"
+    # What another test has kept is sent by that one alone.
+    kept = run_settings("TouchingTest", "w16_m0", 7, 1, "pairs.npz", simulator="icarus")
+    assert kept.replay_command == f"{again} --simulator icarus"
