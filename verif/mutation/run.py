@@ -57,8 +57,9 @@ def mutate(
     """Return what becomes of the mutants of dut/, or of those whose file and name match.
 
     ``fresh``: do everything again, whatever is known from earlier runs. ``sample``: take what is recorded,
-    but for those mutants, and entries of equivalent ones, that this seed draws. ``all_evidence``: of all
-    mutants that are listed, whichever are played. Raises InputError where the RTL without mutants fails.
+    but for those mutants, and entries of equivalent ones, that this seed draws; of mutants whose evidence
+    says more than any test, none. ``all_evidence``: of all mutants that are listed, whichever are played.
+    Raises InputError where the RTL without mutants fails.
     """
     start, timeline, begun = time.perf_counter(), Timeline(), _state(dut)
     rtl, killers, proofs_of = rtl_hash(dut), killers_hash(), evidence_hash(dut)
@@ -71,13 +72,17 @@ def mutate(
         forget_proofs()
     listed = {name: entry for entry in entries for name in entry.mutants if name in found.by_id}
     # The smallest widths alone say too little: what only they show is tried in volume as well.
-    excused = frozenset(name for name, entry in listed.items() if entry.evidence != EXHAUSTIVE)
-    recorded = _recorded(found, excused, dut)
-    sampled = frozenset[str]() if sample is None else sample_of(recorded, sample)
-    settled = {} if sample is None else _settled(recorded, sampled, found, dut, seed)
+    in_volume = {name for entry in entries if entry.evidence == EXHAUSTIVE for name in entry.mutants}
+    excused = frozenset(listed.keys() - in_volume)
+    held = read_record().states.get(EVIDENCE) == proofs_of
+    recorded = _recorded(found, frozenset(listed) if held else excused, dut)
+    sampled, settled = frozenset[str](), dict[str, Killed | None]()
     again: frozenset[str] | None = None
-    if sample is not None and read_record().states.get(EVIDENCE) == proofs_of:
-        again = sample_of((entry.mutants[0] for entry in entries), sample)
+    if sample is not None:
+        sampled = sample_of((name for name, how in recorded.items() if how or name not in excused), sample)
+        settled = _settled(recorded, sampled, found, dut, seed)
+        if held:
+            again = sample_of((entry.mutants[0] for entry in entries), sample)
     ended = Event()
 
     def prove() -> Evidence:
@@ -128,7 +133,7 @@ def mutate(
     return MutationResult(
         fates, tuple(problems), seed, seconds, rtl, killers, spans,
         sample, len(sampled), record_hash, len(settled), evidence.entries, evidence.recorded, proofs_of,
-        not evidence.problems,
+        not evidence.problems and (held or listed.keys() >= in_volume),
     )  # fmt: skip
 
 
@@ -139,14 +144,14 @@ def sample_of(recorded: Iterable[str], seed: int) -> frozenset[str]:
     return found or frozenset(names[seed % len(names)] for _ in names[:1])
 
 
-def _recorded(found: Catalogue, excused: frozenset[str], dut: Path) -> dict[str, Killed | None]:
+def _recorded(found: Catalogue, equivalent: frozenset[str], dut: Path) -> dict[str, Killed | None]:
     """Return how mutants were killed that are recorded of this state.
 
-    None of those that are shown to be equivalent: that no test noticed them is part of the record, too.
+    None of those that are ``equivalent``: that no test noticed them is part of the record, too.
     """
     record, now = read_record(), states(dut)
     blocks = {block for block, state in now.items() if record.states.get(block) == state}
-    lives = {one.id: None for one in found.mutants if one.id in excused and one.block in blocks}
+    lives = {one.id: None for one in found.mutants if one.id in equivalent and one.block in blocks}
     return lives | record.killed(found.mutants, now)
 
 

@@ -339,6 +339,29 @@ def test_solvers_and_what_proves_decide_evidence_and_no_test_does(monkeypatch):
     assert "uvm_tests.py" not in names
 
 
+@pytest.mark.parametrize("kind", [PROOF, EXHAUSTIVE])
+def test_of_those_that_evidence_shows_to_be_equivalent_a_sample_has_what_volume_is_part_of(
+    tmp_path, seed, monkeypatch, kind
+):
+    monkeypatch.setitem(equivalence._CHECKS, kind, lambda *_: None)
+    chosen = [one for one in catalogue().mutants if one.block == "core"][:200]
+    names = {one.id for one in chosen}
+    entries = listed(tmp_path, *sorted(names), evidence=kind)
+    played = judging(monkeypatch, names)
+    states = killers.states(DUT) | {run_module.EVIDENCE: equivalence.evidence_hash(DUT)}
+    monkeypatch.setattr("triaxis.verif.mutation.run.read_record", lambda: record.Record(states, {}))
+    ask = partial(mutate, record.SEED, equivalents=entries, sample=seed)
+    found = ask(chosen=few(*chosen))
+    drawn = {name for name in names if record.drawn(name, seed)}
+    assert set(played) == (drawn if kind == EXHAUSTIVE else set())
+    assert found.passed and found.evidence_holds and found.sampled == len(played)
+    # Evidence of which volume is a part is none of another list's, until all of that was played.
+    states[run_module.EVIDENCE] = "another"
+    assert ask(chosen=few(*chosen)).evidence_holds
+    assert set(played) == (names if kind == EXHAUSTIVE else set())
+    assert ask(chosen=few(*chosen[1:])).evidence_holds is (kind == PROOF)
+
+
 def test_a_sample_is_of_one_at_least(seed):
     names = [f"mutant {number}" for number in range(200)]
     found = run_module.sample_of(names, seed)
