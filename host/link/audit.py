@@ -10,6 +10,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 import numpy.typing as npt
 
+from triaxis.golden.errors import InputError
 from triaxis.host.link.exchange import LinkError
 from triaxis.host.link.messages import (
     ZONES,
@@ -22,8 +23,11 @@ from triaxis.host.link.messages import (
     State,
     Status,
 )  # fmt: skip
+from triaxis.sim.board_parameters import BoardParameters
 
 _FLAGS = int(Flag.GO | Flag.NEAR_WAITING | Flag.WATCHDOG_EXPIRED | Flag.FAULT | ZONES)
+# At which the board's count of errors stays.
+_MOST_ERRORS = 4095
 # Ends of which the engine counts every pair that it was given; of runs that it refused.
 _WHOLE = (RunEnd.COMPLETE, RunEnd.FIRST)
 _REFUSED = (RunEnd.OVERFLOW, RunEnd.OVERFULL, RunEnd.BAD_MODE)
@@ -53,13 +57,10 @@ def must_be(what: str, found: object, wanted: object) -> None:
 
 def check_description(board: Description) -> None:
     """Raise LinkError where no board can be so: the limits are those that the RTL elaborates with."""
-    sizes = (board.depth, board.group, board.lanes)
-    if not 8 <= board.width <= 32 or board.margin_bits > board.width:
-        raise contradiction(f"{board.width} bits, margin {board.margin_bits} bits")
-    if any(size == 0 or size & (size - 1) for size in sizes):
-        raise contradiction(f"depth, group, lanes {sizes}: must be powers of two")
-    if board.lanes > board.group or board.group * board.lanes > board.depth:
-        raise contradiction(f"depth, group, lanes {sizes}")
+    try:
+        BoardParameters(board.width, board.margin_bits, board.depth, board.group, board.lanes)
+    except InputError as error:
+        raise contradiction(str(error)) from error
     if board.watchdog_ms == 0:
         raise contradiction("no watchdog")
     if board.certifies > 1:
@@ -77,6 +78,8 @@ def check_status(status: Status, group: int, holds: bool = False) -> None:
             raise contradiction(f"{what} {value}")
     if status.flags & ~_FLAGS:
         raise contradiction(f"flags {status.flags:#04x}")
+    if status.errors > _MOST_ERRORS:
+        raise contradiction(f"{status.errors} errors, at most {_MOST_ERRORS} are counted")
     if status.state != State.DONE:
         _check_unfinished(status)
     elif status.end == RunEnd.NONE:
@@ -94,7 +97,8 @@ def _check_unfinished(status: Status) -> None:
     none = replace(status, end=RunEnd.NONE, **dict.fromkeys(counters, 0))
     if status.state == State.IDLE:
         none = replace(none, run=0, mode=0, x=0, y=0, z=0, margin=0)
-    if status != none or status.flags & ZONES:
+    empty = status.state == State.IDLE or status.mode == Mode.COUNT
+    if status != none or status.flags & (ZONES | (Flag.NEAR_WAITING if empty else 0)):
         raise contradiction(f"numbers of a run in state {State(status.state).name}")
 
 
@@ -119,8 +123,8 @@ def _check_counters(status: Status, group: int) -> None:
     # The core takes at most a pair a clock.
     if status.tested >= status.cycles:
         raise contradiction(f"{status.tested} pairs tested in {status.cycles} clocks")
-    if status.mode == Mode.COUNT and status.flags & Flag.NEAR_WAITING:
-        raise contradiction("near pairs wait of a run that only counts them")
+    if status.flags & Flag.NEAR_WAITING and (status.mode == Mode.COUNT or not status.near):
+        raise contradiction("near pairs wait of a run that only counts them, or found none")
     if status.mode == Mode.FIRST or status.end == RunEnd.FIRST:
         must_be("mode of a run that stopped", status.mode, Mode.FIRST)
         must_be("near pairs of a run that stops at the first", status.near, int(status.end == RunEnd.FIRST))
@@ -128,40 +132,56 @@ def _check_counters(status: Status, group: int) -> None:
     group_pairs = sum(count for _, count in sizes)
     seen, opened = status.groups_skipped + status.groups_opened, status.pairs_skipped + status.tested
     if status.end == RunEnd.FIRST:
-        if seen > group_pairs or opened > _pairs(status.groups_opened, sizes[::-1]):
+        if seen > group_pairs or opened > _most_pairs(status.groups_opened, sizes):
             raise contradiction(f"{seen} group pairs of {group_pairs}, {opened} pairs skipped or tested")
         return
     must_be("group pairs", seen, group_pairs)
-    least, most = _pairs(status.groups_opened, sizes), _pairs(status.groups_opened, sizes[::-1])
-    if not least <= opened <= most:
-        raise contradiction(f"{opened} pairs skipped or tested, must be {least}..{most}")
+    if not _have_pairs(status.groups_opened, opened, sizes):
+        raise contradiction(
+            f"{opened} pairs skipped or tested: no {status.groups_opened} of these group pairs have so many"
+        )
 
 
 def _group_pairs(count_a: int, count_b: int, group: int) -> list[tuple[int, int]]:
-    """Return how many pairs a pair of groups has, and how many of those there are: the smallest first.
+    """Return how many pairs a pair of groups has, and how many of those there are: the largest first.
 
     All groups but the last of a mesh are full.
     """
     (full_a, rest_a), (full_b, rest_b) = divmod(count_a, group), divmod(count_b, group)
     some_a, some_b = int(rest_a > 0), int(rest_b > 0)
-    return sorted(
-        [
-            (group * group, full_a * full_b),
-            (group * rest_b, full_a * some_b),
-            (rest_a * group, some_a * full_b),
-            (rest_a * rest_b, some_a * some_b),
-        ]
-    )
+    return [
+        (group * group, full_a * full_b),
+        *sorted([(group * rest_b, full_a * some_b), (rest_a * group, some_a * full_b)], reverse=True),
+        (rest_a * rest_b, some_a * some_b),
+    ]
 
 
-def _pairs(groups: int, sizes: Sequence[tuple[int, int]]) -> int:
-    """Return how many pairs so many pairs of groups have, taken in the order of ``sizes``."""
+def _most_pairs(groups: int, sizes: Sequence[tuple[int, int]]) -> int:
+    """Return how many pairs so many pairs of groups have at most; ``sizes``: as `_group_pairs` gives them."""
     pairs = 0
     for size, count in sizes:
         taken = min(groups, count)
         pairs += taken * size
         groups -= taken
     return pairs
+
+
+def _have_pairs(groups: int, pairs: int, sizes: Sequence[tuple[int, int]]) -> bool:
+    """Return whether some that many pairs of groups have exactly so many pairs; ``sizes``: likewise.
+
+    Between the least and the most not all is possible, so that one pair left out mostly shows.
+    """
+    (full, of_full), (long, of_long), (short, of_short), (corner, of_corner) = sizes
+    for corners in range(of_corner + 1):
+        # Of the short ones any number; how many of the others there are then, two equations say.
+        shorts = np.arange(min(of_short, groups - corners) + 1)
+        left = groups - corners - shorts
+        missing = full * left - (pairs - corners * corner - shorts * short)
+        longs = missing // (full - long)
+        whole = longs * (full - long) == missing
+        if (whole & (longs >= 0) & (longs <= np.minimum(of_long, left)) & (left - longs <= of_full)).any():
+            return True
+    return False
 
 
 def check_results(results: Results, group: int, holds: bool = False) -> None:
@@ -177,8 +197,9 @@ def check_later(before: Status, now: Status) -> None:
         raise FaultError
     if replace(now, flags=before.flags, errors=before.errors) != before:
         raise contradiction("the status of another run")
-    if now.errors < before.errors:
-        raise contradiction(f"{now.errors} errors after {before.errors}")
+    # An error ends go, which does not come back without a run.
+    if now.errors < before.errors or (now.errors > before.errors and now.flags & Flag.GO):
+        raise contradiction(f"{now.errors} errors after {before.errors}, flags {now.flags:#04x}")
     begun, ended = now.flags & ~before.flags, before.flags & ~now.flags
     if begun not in (0, Flag.WATCHDOG_EXPIRED) or ended & (Flag.WATCHDOG_EXPIRED | ZONES):
         raise contradiction(f"flags {now.flags:#04x} after {before.flags:#04x}")

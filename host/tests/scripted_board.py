@@ -30,7 +30,7 @@ from triaxis.host.link.wire import Deframer, encode
 
 BOARD = Description(PROTOCOL, 16, 16, 64, 4, 4, 0xCAFE, 100, 1)
 # Two meshes of 6 and 5 triangles, in groups of 4: 4 group pairs, 30 pairs; half of the groups skipped.
-CLEAR = Status(1, 2, 1, Flag.GO | ZONES, 1, 0, 0, 0, 3, 99, 2, 2, 10, 4, 0, 0, 6, 5)
+CLEAR = Status(1, 2, 1, Flag.GO | ZONES, 1, 0, 0, 0, 3, 99, 2, 2, 8, 4, 0, 0, 6, 5)
 
 Answer = tuple[Code, bytes]
 

@@ -2,6 +2,7 @@
 
 import errno
 import re
+from contextlib import nullcontext
 from dataclasses import replace
 
 import numpy as np
@@ -23,6 +24,7 @@ from triaxis.host.link.messages import (
     ReplyHead,
     Results,
     RunRequest,
+    State,
     twice,
 )
 from triaxis.host.link.wire import Deframer, encode
@@ -71,6 +73,9 @@ LIES = [
     {"groups_skipped": 4, "groups_opened": 0},
     # Two pairs of groups cannot have so few, nor so many: 16, 8, 4 and 2 are there.
     {"pairs_skipped": 1, "tested": 4}, {"pairs_skipped": 21, "tested": 4},
+    # Nor what is between, but is no sum of two.
+    {"tested": 3}, {"tested": 5}, {"pairs_skipped": 10}, {"groups_skipped": 0, "groups_opened": 4},
+    {"near": 5, "flags": ZONES}, {"errors": 4096},
 ]  # fmt: skip
 
 
@@ -102,7 +107,8 @@ def test_a_fault_is_told_with_what_to_do():
 
 
 def test_counters_at_the_edge_of_what_is_possible_are_believed():
-    for counts in ((2, 2, 10, 4), (0, 4, 30, 0), (4, 0, 0, 0)):
+    two = ((2, 2, pairs - 4, 4) for pairs in (6, 10, 12, 18, 20, 24))
+    for counts in (*two, (0, 4, 30, 0), (1, 3, 28, 0), (3, 1, 2, 0), (4, 0, 0, 0)):
         names = ("groups_skipped", "groups_opened", "pairs_skipped", "tested")
         assert check(ScriptedLine().lie(**dict(zip(names, counts, strict=True)))).near_count == 0
 
@@ -167,7 +173,7 @@ def test_of_a_run_that_was_refused_or_cut_off_zones_prove_nothing_but_must_be_po
 
 
 def test_flags_of_zones_that_contradict_the_status():
-    near, running = replace(CLEAR, near=1), replace(CLEAR, **RUNNING)
+    near, running = replace(CLEAR, near=1, flags=ZONES), replace(CLEAR, **RUNNING)
     for holds in (False, True):
         check_status(replace(near, flags=ZONES), BOARD.group, holds)
         check_status(running, BOARD.group, holds)
@@ -178,6 +184,18 @@ def test_flags_of_zones_that_contradict_the_status():
             for go in (0, Flag.GO):
                 with pytest.raises(LinkError, match="numbers of a run in state RUNNING"):
                     check_status(replace(running, flags=flags | go), BOARD.group, holds)
+        check_status(replace(running, flags=Flag.NEAR_WAITING), BOARD.group, holds)
+        idle = replace(running, state=0, run=0, mode=0, margin=0)
+        for one in (near, replace(near, mode=2), replace(CLEAR, flags=ZONES), idle, replace(running, mode=2)):
+            what = "near pairs wait" if one.state == State.DONE else "numbers of a run in state"
+            with pytest.raises(LinkError, match=what) if one != near else nullcontext():
+                check_status(replace(one, flags=one.flags | Flag.NEAR_WAITING), BOARD.group, holds)
+    # Go of the runs before, which no fault and no silence outlasts.
+    for flags in (Flag.GO, Flag.GO | Flag.NEAR_WAITING):
+        check_status(replace(running, flags=flags), BOARD.group, holds=True)
+        for wrong in (Flag.FAULT, Flag.WATCHDOG_EXPIRED):
+            with pytest.raises(LinkError, match="go, although the watchdog has run out, or a check has fai"):
+                check_status(replace(running, flags=flags | wrong), BOARD.group, holds=True)
 
 
 NEAR = [(0, 0), (5, 4), (1, 2), (0, 4)]
@@ -209,7 +227,7 @@ def test_first_near_pair():
 
 @pytest.mark.parametrize(("near", "what"), [([], "True, must be False"), (NEAR, "False, must be True")])
 def test_near_pairs_wait_where_there_are_some_and_nowhere_else(near, what):
-    line = ScriptedLine(near=near).lie(near=len(near), flags=ZONES)
+    line = ScriptedLine(near=near).lie(near=4, flags=ZONES)
     true = line.answer
 
     def waiting(command, payload):
@@ -226,7 +244,7 @@ def test_near_pairs_wait_where_there_are_some_and_nowhere_else(near, what):
 
 def test_a_later_status_is_of_the_same_run():
     for lie in (
-        {"run": 2}, {"mode": 2}, {"x": 1}, {"margin": 4}, {"cycles": 100}, {"tested": 5}, {"count_a": 5},
+        {"run": 2}, {"mode": 2}, {"x": 1}, {"margin": 4}, {"cycles": 100}, {"pairs_skipped": 6, "tested": 6}, {"count_a": 5},
         {"errors": 2}, {"near": 1}, {"end": 3},
     ):  # fmt: skip
         line = ScriptedLine().lie(errors=3)
@@ -235,6 +253,9 @@ def test_a_later_status_is_of_the_same_run():
         engine = BoardEngine(board, A, B)
         engine.run(STILL, 3)
         assert board.still(engine.status) == engine.status
+        line.lie(errors=4)
+        with pytest.raises(LinkError, match="4 errors after 3, flags 0x31; verdict unknown"):
+            board.still(engine.status)
         line.lie(errors=4, flags=Flag.WATCHDOG_EXPIRED | ZONES)
         later = board.still(engine.status)
         assert (later.errors, later.flags) == (4, Flag.WATCHDOG_EXPIRED | ZONES)
@@ -259,6 +280,8 @@ def test_a_board_that_cannot_be_is_none():
     for lie in (
         {"width": 7}, {"width": 33}, {"margin_bits": 17}, {"depth": 0}, {"depth": 48}, {"group": 0},
         {"lanes": 0}, {"group": 3}, {"lanes": 8}, {"depth": 8}, {"watchdog_ms": 0}, {"certifies": 2},
+        {"depth": 32768, "group": 128}, {"depth": 32768, "group": 64, "lanes": 64},
+        {"depth": 1, "group": 1, "lanes": 1},
     ):  # fmt: skip
         assert "contradicts itself" in refused(ScriptedLine(board=replace(BOARD, **lie)))
 
