@@ -88,14 +88,6 @@ class Counters:
         else:
             toggle.falls = (toggle.falls or 0) + count
 
-    def add(self, other: "Counters") -> None:
-        """Add the counts of another run of the same model."""
-        for (instance, bit), toggle in other.toggles.items():
-            for edge, count in ((RISE, toggle.rises), (FALL, toggle.falls)):
-                if count is not None:
-                    self.count_toggle(instance, bit, toggle.file, toggle.line, edge, count)
-        self.points.update(other.points)
-
 
 def read_lines(path: Path) -> list[str]:
     """Return the lines of the bins in a coverage file; raise InputError where it is none, or cut short."""

@@ -79,8 +79,9 @@ def _compiled(text: str) -> CodeType:
 
 def evaluate(text: str, variables: Mapping[str, int]) -> int:
     """Return the value of an expression; raise BoundError where it has none."""
+    code = _compiled(text)
     try:
-        value = eval(_compiled(text), {"__builtins__": {}}, dict(variables))
+        value = eval(code, {"__builtins__": {}}, dict(variables))
     except NameError as error:
         raise BoundError(f"{error.name}: no such parameter here") from error
     except (ArithmeticError, TypeError, ValueError) as error:
@@ -228,9 +229,22 @@ def _texts(value: Any) -> tuple[str, ...]:
     return tuple(value)
 
 
+def _patterns(value: Any) -> tuple[str, ...]:
+    found = _texts(value)
+    for text in found:
+        try:
+            _pattern(text)
+        except re.error as error:
+            raise ValueError(f"{text}: {error.msg}: no pattern") from error
+    return found
+
+
 def _bounds(value: Any) -> tuple[str, str]:
-    low, high = _texts(value)
-    return low, high
+    match _texts(value):
+        case (low, high):
+            return low, high
+        case _:
+            raise ValueError("must be two texts, the smallest and the largest value")
 
 
 def _text(value: Any) -> str:
@@ -247,7 +261,8 @@ def _named(value: Any) -> dict[str, str]:
 
 _READERS = {
     **dict.fromkeys(("category", "reason", "owner", "kind", "where", "step"), _text),
-    **dict.fromkeys(("modules", "instances", "models", "what", "at", "signals", "bits", "rests_on"), _texts),
+    **dict.fromkeys(("modules", "instances", "models", "what", "at", "signals"), _patterns),
+    **dict.fromkeys(("bits", "rests_on"), _texts),
     "range": _bounds,
     "let": _named,
 }

@@ -197,7 +197,8 @@ def test_damaged_counters_are_refused(tmp_path):
         (FIRST_LINE + "\n" + LAST_LINE + "\n", "cut short"),
         (whole[5:], "not a coverage file"),
         ("\ufffd", "not a coverage file"),
+        ("\xff", "damaged: not text"),
     ):
-        path.write_text(cut)
+        path.write_bytes(cut.encode("latin-1" if cut == "\xff" else "utf-8"))
         with pytest.raises(InputError, match=said):
             read_counters(path)

@@ -9,7 +9,7 @@ import pytest
 
 from triaxis.coverage.board_coverage import board_model
 from triaxis.coverage.core_coverage import core_model
-from triaxis.coverage.counts import Counts, CoverageDatabase, load, read_counts
+from triaxis.coverage.counts import Counts, CoverageDatabase, load, read_counts, write_counts
 from triaxis.coverage.cover_model import (
     CoverItem,
     CoverModel,
@@ -186,3 +186,16 @@ def test_damaged_files_are_refused(tmp_path):
         path.write_text(damaged)
         with pytest.raises(InputError, match=r"coverage\.json: .*delete it and run again"):
             load(path, DIGITS)
+    # Whole, but not of the bins that there are.
+    for numbers, said in (
+        (["x"] * 10, "no numbers"), ([1 << 80] * 10, "no numbers"), ([0] * 9, "not fit"), ([-1] * 10, "not fit"),
+    ):  # fmt: skip
+        counts = counted([1])
+        replace(counts, hits={**counts.hits, "digit": np.array(numbers)}).save(path)
+        with pytest.raises(InputError, match=f"counts .*{said}.*; delete it and run again"):
+            load(path, DIGITS)
+    write_counts(path, [counted([1])] * 2)
+    with pytest.raises(InputError, match="counts of 2 models where those of digits were due"):
+        load(path, DIGITS)
+    with pytest.raises(InputError, match="counts of coverage model others: no such model in this database"):
+        CoverageDatabase([DIGITS]).add(counted([1], OTHER))

@@ -79,6 +79,9 @@ def changed(old, new):
         ('["SmokeTest", "LongTest"]', '["N/A"]', "testpoint smoke: nothing runs"),
         ('mutants: ["fifo/*"]', "mutants: []", "testpoint smoke: no mutants"),
         ("name: rest", "name: smoke", "testpoint smoke: there are 2 of this name"),
+        ("**Goal**: G.", "", "testpoint rest: no goal: add **Goal**: to its desc"),
+        ("stage: V3", "stage: V9", "testpoint rest: stage V9: must be one of V1, V2, V3"),
+        ("stage: V3", "", "testpoint rest: stage missing: must be one of"),
         # What it names and is not there.
         ('["kind.clear / *"]', '["kind.clear / *", "kind.far*"]', "bin kind.far*: matches nothing in kind"),
         ('["kind.clear / *"]', '["kind.clear / *", "ki*"]', "bin ki*: a pattern must write out"),
@@ -102,6 +105,13 @@ def test_what_is_not_well_formed_is_named(tmp_path):
         ('["F1"]', "[1]", "testpoint rest: faults: must be a list of texts"),
         (GOOD, "{ name: [", "not a testplan"),
         (GOOD, "{ name: x\n requirements: []\n testpoints: [] }", "at least one"),
+        (GOOD, "{ name: x\n testpoints: [] }", "must hold `name`, `requirements` and `testpoints`, and noth"),
+        (GOOD, "{ name: x\n requirements: []\n testpoints: [5] }", "testpoint 1: must be an object"),
+        ("name: rest", "", "testpoint 2: needs a name"),
+        ('tests: ["N/A"]', "", r"rest: needs `tests`, \["),
+        ("stage: V3", "stage: 3", "rest: stage: must be a text"),
+        ("stage: V3", "state: V3", "rest: state: no such key; one of: name, desc, stage, requirements"),
+        ("**Stimulus**: S.", "**Goal**: S.", "rest: desc: must be .* once, and nothing before"),
         ('text: "It is fast."', "", "requirement A-2: must hold an `id` and a `text`"),
         ('"It is fast."', "5", "requirement A-2: must hold an `id` and a `text`"),
     ):
@@ -160,9 +170,19 @@ def test_progress(tmp_path, changes, smoke_passed, rest_passed, failing):
 
 def test_what_was_not_measured_or_does_not_exist_is_not_0(tmp_path):
     smoke, _ = status(tmp_path, changed('"LongTest"', '"LongTest", "NoTest"'), mutants=None, coverage=None)
-    tests = smoke.tallies["tests"]
+    tests, told = smoke.tallies["tests"], smoke.content()
+    assert (told["tests"], told["bins"], told["mutants"], told["others"]) == ([2, 3], None, None, None)
     assert (smoke.passed, smoke.tallies["mutants"], smoke.tallies["bins"]) == (None, None, None)
     assert tests and (tests.passed, tests.failed, tests.not_run) == (2, 0, 1)
+    # Proofs, faults and checks are told together: all, or nothing.
+    assert status(tmp_path, proofs={"axi": False})[1].content()["others"] == [2, 3]
+    assert status(tmp_path, faults=None)[1].content()["others"] is None
+
+
+def test_a_stage_that_there_is_not_is_left_to_the_linter(tmp_path):
+    plan = read(tmp_path, changed("stage: V1", "stage: V9"))
+    found = testplan_progress.progress(plan, INVENTORY, testplan_progress.PlanResults(**ALL_PASSED))
+    assert [one.stage for one in found] == ["V3", "V9"]
 
 
 def test_of_several_runs_all_must_pass():

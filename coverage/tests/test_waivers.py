@@ -62,6 +62,14 @@ def waiver(low, high, step="1", where="1"):
         ("range = ", "bits = ['1']\nrange = ", "either `range` or `bits`"),
         ('"toggle"', '"line"', "no toggle waiver"),
         ("[[waiver]]", "[[weaver]]", "nothing else"),
+        ('"2**W - 1 - k"]', "]", "range: must be two texts, the smallest and the largest value"),
+        ('"s[{k}]"', '"s[{k}][{k}]"', r"waiver 1: signals: s\[{k}\]\[{k}\]: redefinition of .*: no pattern"),
+        ('"toggle"', '"togle"', "waiver 1: kind togle: one of: line, branch"),
+        ('kind = "toggle"', "kind = 5", "waiver 1: kind: must be a text"),
+        ("range = ", "let = 5\nrange = ", "waiver 1: let: must be a table"),
+        (GOOD, "waiver = [1]", "waiver 1: must be a table"),
+        ("[[waiver]]", "[reviewed]\nm = 5\n[[waiver]]", "waivers.toml: reviewed: must be a text"),
+        ("[[waiver]]", "[[waiver]", "waivers.toml: not TOML"),
     ],
 )
 def test_what_is_not_well_formed_is_named(tmp_path, old, new, said):
@@ -71,8 +79,9 @@ def test_what_is_not_well_formed_is_named(tmp_path, old, new, said):
     assert read.constant_bits("s[1]", range(6), {"W": 4}) == [4, 5]
     assert read.constant_bits("other", range(6), {"W": 4}) == []
     path.write_text(GOOD.replace(old, new))
-    with pytest.raises(InputError, match=said):
+    with pytest.raises(InputError, match=said) as error:
         read_waivers(path)
+    assert waiver_problems(None, path) == [str(error.value)]
 
 
 @given(st.integers(-70, 70), st.integers(0, 140), st.integers(0, 4))
@@ -102,6 +111,9 @@ def test_constant_bits():
             waiver(low, high, step).constant_bits("s", range(4), {})
     listed = replace(waiver("0", "0"), values=None, bits=("2..3", "W - 1"))
     assert listed.constant_bits("s", range(8), {"W": 8}) == [2, 3, 7]
+    # A name may be made of those before it.
+    named = replace(listed, bits=("b..b + 1",), let={"a": "W // 4", "b": "2 * a"})
+    assert named.constant_bits("s", range(8), {"W": 8}) == [4, 5]
     with pytest.raises(BoundError, match="s has no bit 8"):
         listed.constant_bits("s", range(8), {"W": 9})
 
@@ -113,8 +125,9 @@ def test_patterns_and_whole_number_arithmetic():
     assert evaluate("-(L // 2) % 4 + 3 * L**3 + (1 << W) + (W > 2)", {"W": 3, "L": 7}) == 1 + 1029 + 8 + 1
     assert evaluate("W == 3 and not L == 3 or 0", {"W": 3, "L": 7}) == 1
     for text in ("x", "1 +", "open('x')", "W.real", "1.5", "W / 2", "1 // 0", "1 << -1", "'a'", "2**-1"):
-        with pytest.raises(BoundError):
+        with pytest.raises(BoundError) as error:
             evaluate(text, {"W": 3})
+        assert str(error.value).count(text) == 1
 
 
 def records():
