@@ -157,8 +157,10 @@ def _widest_fitting(rows: Sequence[WidthRow]) -> WidthRow | None:
 def _changes(scene: AdviceScene, wanted: Wanted, board: Board, rows: Sequence[WidthRow]) -> tuple[str, ...]:
     fitting = _widest_fitting(rows)
     if fitting is None:
-        more = "" if board.margin_bits is None else ", or more --margin-bits"
-        return (f"take a smaller clearance, a part with more DSP blocks (--dsps){more}",)
+        # Blocks are counted where the margin fits.
+        counted = any(row.dsps is not None for row in rows)
+        more = "a part with more DSP blocks (--dsps)" if counted else "more --margin-bits"
+        return (f"take a smaller clearance, or {more}",)
     extent = widest_extent(wanted.band, fitting.width, scene.rounding, scene.travels)
     found = [f"accept false alarms up to {_band(fitting, wanted)} beyond the clearance (--band)"]
     if extent:

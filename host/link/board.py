@@ -119,10 +119,11 @@ class Board:
         self._forget()
 
     def load(self, mesh: Mesh, triangles: npt.NDArray[np.int64], progress: Progress = unwatched) -> None:
-        """Replace a mesh by triangles (N, 3, 3), N at least 1; ``progress`` is told of each step's size."""
-        limit, width = self.description.depth, self.description.width
-        if not 1 <= len(triangles) <= limit:
-            raise LinkError(f"mesh {mesh.name}: {len(triangles)} triangles: the board holds 1..{limit}")
+        """Replace a mesh by triangles (N, 3, 3), N at least 1; ``progress`` is told of each step's size.
+
+        The board refuses more than it holds.
+        """
+        width = self.description.width
         step, signature = triangles_per_load(width), 0
         for first in range(0, len(triangles), step):
             some = triangles[first : first + step]
@@ -134,7 +135,7 @@ class Board:
             self._expect("signature of the mesh loaded", loaded.signature, signature)
             progress(len(some))
         # The engine reads it again meanwhile: see the assumptions of docs/safety.md.
-        self._line.wait(limit * _SECONDS_PER_TRIANGLE)
+        self._line.wait(self.description.depth * _SECONDS_PER_TRIANGLE)
         self._counts[mesh] = len(triangles)
 
     def run(

@@ -66,7 +66,8 @@ class Positions:
         except InputError as error:
             wrong = error
         except (OSError, ValueError) as error:
-            wrong = InputError(f"positions: cannot read: {error}")
+            why = getattr(error, "strerror", None) or error
+            wrong = InputError(f"positions: cannot read: {why}: the machine is stopped")
         with self._changed:
             self._ended, self._wrong = True, wrong
             self._changed.notify()

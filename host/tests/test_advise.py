@@ -10,7 +10,7 @@ from triaxis.fpga.board_build import Resources
 from triaxis.fpga.dsp_count import DspCount
 from triaxis.golden.errors import InputError
 from triaxis.golden.judge import CertificateError
-from triaxis.host.advice import widths
+from triaxis.host.advice import measuring, widths
 from triaxis.host.advice.choosing import advise
 from triaxis.host.advice.measuring import EngineShape, TooManyError, exact_near, measure, positions_of
 from triaxis.host.advice.wanted import NamedMesh, Wanted, advice_scene
@@ -133,8 +133,44 @@ def test_a_travel_to_one_place_is_a_move_that_is_rounded_by_itself():
     assert found and wanted and found.tested >= wanted.tested > 0
 
 
+TENTH, LARGE = Fraction(1, 10), Board(10**4, 4096, 8)
+
+
+@pytest.mark.parametrize(
+    ("board", "band", "count", "chosen", "told"),
+    [
+        (BOARD, Fraction(10), blocks, 8, ["no smaller width exists: 8 is the least"]),
+        (LARGE, Fraction(11, 10**8), blocks, 32, ["no larger width exists: 32 is the most"]),
+        (LARGE, TENTH, lambda width, *_: 300 - width, 13,
+         ["W = 14 takes 1 DSP blocks fewer, 286, and", "; up to W = 32 no more blocks are needed, with a band"]),
+        (LARGE, Fraction(1, 10**9), blocks, None, ["no width up to 32 has a band within 1e-09 mm"]),
+        (Board(1, 4096, 8), TENTH, blocks, None,
+         ["no width fits the board: W = 8: its band is 1.855 mm; it takes 114 DSP blocks of 1",
+          "take a smaller clearance, or a part with more DSP blocks (--dsps)"]),
+        (Board(240, 4096, 8, margin_bits=1), TENTH, blocks, None, ["take a smaller clearance, or more --margin-bits"]),
+    ],
+)  # fmt: skip
+def test_reasons_at_the_ends_of_what_there_is(monkeypatch, board, band, count, chosen, told):
+    monkeypatch.setitem(globals(), "blocks", count)
+    advice = advice_of(scene_of_tool(), Wanted(Fraction(1, 2), band), board)
+    assert (advice.chosen and advice.chosen.width) == chosen
+    said = [*advice.reasons, *advice.changes]
+    assert all(any(what in one for one in said) for what in told), said
+
+
+def test_what_is_too_much_is_not_measured(monkeypatch):
+    scene, row = scene_of_tool(), row_of(16)
+    found = truths(scene, NARROW)
+    monkeypatch.setattr(measuring, "_MOST_PAIRS", 5)
+    assert measure(scene, row, found) is None
+    assert [position.truth for position in truths(scene, NARROW)] == [None]
+    assert advice_of(scene, NARROW).reasons[-1] == "not measured on the scene: too many pairs come near"
+
+
 def test_points_that_are_one_are_near():
     point = named("point", np.zeros((1, 3, 3), np.float32))
+    with pytest.raises(InputError, match="scene: one mesh: name at least two STL files"):
+        advice_scene([point], NOWHERE)
     scene = advice_scene([point, point], NOWHERE, volume=(NOWHERE, place(9, 9, 9)))
     (found,) = positions_of(scene, Wanted(Fraction(0), Fraction(1)), 1, lambda _: None)
     assert found.truth and found.truth[0].near.tolist() == [0]

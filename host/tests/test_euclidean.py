@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from triaxis.golden.judge import judge
-from triaxis.host import scenes
+from triaxis.host import euclidean, least, scenes
 from triaxis.host.cli import ERROR, main
 from triaxis.host.engines import scene_engine
 from triaxis.host.euclidean import EuclideanEngine, euclidean_distance, squared_distance
@@ -79,7 +79,7 @@ def test_the_least_distance_is_that_of_all_pairs(rng):
             assert distances[9 * found.a + found.b] == min(distances)
 
 
-def test_the_nearest_by_euclid_is_found_among_many_that_are_as_near_by_chebyshev():
+def test_the_nearest_by_euclid_is_found_among_many_that_are_as_near_by_chebyshev(monkeypatch):
     corner, size = np.array([[0, 0, 0], [-1, 0, 0], [0, -1, 0]]), 1 + np.arange(300)[:, None, None] / 300
     many = corner * size, 1 - corner * size
     one = np.add(corner, [50, 0, 0]), np.subtract([51.001, 0, 0], corner * [1, -1, -1])
@@ -89,6 +89,10 @@ def test_the_nearest_by_euclid_is_found_among_many_that_are_as_near_by_chebyshev
     found = least_distance(meshes, True)
     assert (found.a, found.b) == (300, 300) and found.distance == pytest.approx(1.001, abs=1e-5)
     assert least_distance(meshes, False).distance == 1
+    assert found.exact
+    # Where more are listed than are looked at, what was found may not be the least.
+    monkeypatch.setattr(least, "_LISTED", 100)
+    assert not least_distance(meshes, True).exact
 
 
 def test_check_decides_by_the_coordinates_of_the_files(tmp_path, capsys):
@@ -141,7 +145,7 @@ def test_insides_are_asked_where_facets_do_not_touch(tmp_path, capsys, high, wal
     assert status == expected and said in told.out + told.err, told
 
 
-def test_what_only_corners_bring_near_is_cleared_and_nothing_else(rng):
+def test_what_only_corners_bring_near_is_cleared_and_nothing_else(rng, monkeypatch):
     a, b = (rng.integers(-300, 300, (60, 1, 3)) + rng.integers(-9, 10, (60, 3, 3)) for _ in "ab")
     engine = scene_engine("bulk", a, b, 16)
     cleared = 0
@@ -159,4 +163,9 @@ def test_what_only_corners_bring_near_is_cleared_and_nothing_else(rng):
                 assert distance > clearance + sqrt(3) * 2
         first = both.run((3, -4, 5), margin, stop_at_first=True)
         assert (first.near_count > 0) == (len(near) > 0)
+        # Of many nobody is asked: near by Chebyshev, which Euclid may not be.
+        with monkeypatch.context() as patch:
+            patch.setattr(euclidean, "_MANY", 0)
+            many = both.run((3, -4, 5), margin, stop_at_first=True)
+        assert many.near_count == len(many.near) == engine.run((3, -4, 5), margin).near_count
     assert cleared > 5

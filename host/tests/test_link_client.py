@@ -10,6 +10,7 @@ import pytest
 import serial
 
 from triaxis.host.engines import STILL
+from triaxis.host.link import exchange
 from triaxis.host.link.audit import check_later, check_status
 from triaxis.host.link.board import Board
 from triaxis.host.link.board_engine import BoardEngine
@@ -29,6 +30,7 @@ from triaxis.host.link.messages import (
 )
 from triaxis.host.link.wire import Deframer, encode
 from triaxis.host.tests.scripted_board import BOARD, CLEAR, ScriptedLine
+from triaxis.sim.pseudo_terminal import PseudoTerminal
 
 A = np.arange(6 * 9).reshape(6, 3, 3)
 B = 100 + np.arange(5 * 9).reshape(5, 3, 3)
@@ -299,6 +301,9 @@ SAID = [
     (Command.RUN, Code.OK, twice(bytes([2, 0, 0])), "hold: Begun(number=2, hold=0), expected Begun(number=1"),
     (Command.RUN, Code.OK, twice(bytes([1, 7, 0])), "hold: Begun(number=1, hold=7), expected Begun(number=1"),
     (Command.RESULTS, Code.OK, twice(bytes(7)), "must be 51: not this protocol"),
+    *((Command.RESULTS, Code.OK, twice(CLEAR.pack() + bytes([0, 0, 0, 0, count])) + bytes(4 * came),
+       f"Results: {4 * came} bytes for {count} near pairs: not this protocol")
+      for count, came in ((2, 1), (1, 2), (33, 33))),
     (Command.HELLO, Code.OK, b"\x03" + bytes(12), "speaks protocol 03, this program 07: load the bitstream"),
 ]
 
@@ -401,6 +406,15 @@ def test_ports_that_cannot_be_used(monkeypatch, tmp_path):
     ):
         with pytest.raises(LinkError, match=what):
             SerialLine(name)
+    port = PseudoTerminal()
+    with monkeypatch.context() as patch:
+        patch.setattr(exchange, "_WRITE_SECONDS", 0.05)
+        line = SerialLine(port.path)
+    # Nobody fetches what is sent.
+    with pytest.raises(LinkError, match="takes no bytes: check the cable; verdict unknown"):
+        line.send(bytes(1 << 20))
+    port.close()
+    line.close()
     for number, what in (
         (errno.EACCES, "no permission: join the port's group"),
         (errno.EBUSY, "port in use"),

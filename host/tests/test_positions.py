@@ -109,6 +109,15 @@ def test_what_waits_before_anybody_reads_it_is_no_position(waiting):
     os.close(start)
 
 
+def test_a_terminal_that_is_gone_has_no_positions():
+    end, terminal = os.openpty()
+    positions = Positions(terminal)
+    os.close(end)
+    with pytest.raises(InputError, match="^positions: cannot read: Input/output error: the machine is stop"):
+        positions.report()
+    os.close(terminal)
+
+
 def test_an_ordinary_file_has_no_positions(tmp_path):
     recorded = tmp_path / "recorded.txt"
     recorded.write_text("0 0 40\n")

@@ -127,6 +127,8 @@ def test_the_resolution_holds_the_box_and_the_next_finer_does_not(rng, steps, wi
             # Below 1.00 the third digit is a tenth as large.
             finer = (shown - power / (1000 if shown == power else 100)) / unit
         assert not fits([box], grid_around([box], finer, width))
+    with pytest.raises(InputError, match="volume: a single point: give one that has an extent"):
+        finest_resolution((NOWHERE, NOWHERE), width)
 
 
 # It says nothing of its types.

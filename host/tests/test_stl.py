@@ -45,6 +45,7 @@ BAD_NUMBER, BEYOND = r"line 12: word '{}': facet 1: .* number", "facet 1, vertex
     ("content", "message"),
     [
         (b"", "empty file"),
+        (bytes(83), "83 bytes: a binary STL has at least 84; not an STL file, or truncated"),
         (binary(FACETS)[:-1], "183 bytes, but its header announces 2 facets, 184"),
         (binary(FACETS) + b"x", "185 bytes"),
         (binary(FACETS[:0]), "no facets"),
