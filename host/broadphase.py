@@ -38,11 +38,10 @@ _SPREAD = (
 
 
 def morton_order(boxes: Integers) -> Integers:
-    """Return the numbers (N,) of boxes (N, 2, 3), low and high corner in LSB, by where their centres lie; N is
-    at least 1.
+    """Return the numbers (N,) of boxes (N, 2, 3), low and high corner in LSB, by where their centres lie.
 
     All three coordinates keep one scale, so that the cells of the order are cubes. 42 bits of twice the
-    centres count: all of them for coordinates of 32 bits. Equal centres keep their order.
+    centres count: all of them for coordinates of 32 bits. Equal centres keep their order. N is at least 1.
     """
     # Twice the centres: whole numbers.
     place = boxes[:, 0] + boxes[:, 1]

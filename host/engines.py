@@ -17,6 +17,7 @@ import numpy.typing as npt
 from triaxis.golden.judge import judge_in_parallel
 from triaxis.golden.pairs import Pairs
 from triaxis.host.broadphase import FacetTrees, in_order
+from triaxis.host.group_pairs import group_pair_sizes, have_pairs
 from triaxis.host.scene import Decide, FacetPairs, bulk_near, near_of
 from triaxis.sim.core_engine import CoreError
 from triaxis.sim.mesh_configuration import MeshConfiguration
@@ -208,12 +209,17 @@ class MeshEngineScene(SceneEngine):
         complete = run.status == Status.COMPLETE
         if not complete and not (stop_at_first and run.status == Status.FIRST):
             raise CoreError(f"mesh engine: status {run.status.name} at translation {translation}")
-        groups_a, groups_b = (-(-len(part.facets) // self._engine.configuration.group) for part in (a, b))
-        decided = run.group_pairs_skipped + run.group_pairs_opened
-        if complete and decided != groups_a * groups_b:
-            raise CoreError(f"mesh engine: {decided} of {groups_a * groups_b} pairs of groups decided")
+        if not run.near_count == len(run.near) <= run.tested:
+            told = f"{run.near_count} near pairs of {run.tested} tested, tells of {len(run.near)}"
+            raise CoreError(f"mesh engine: counts {told}")
+        sizes = group_pair_sizes(len(a.facets), len(b.facets), self._engine.configuration.group)
+        decided, group_pairs = run.group_pairs_skipped + run.group_pairs_opened, sum(n for _, n in sizes)
+        if complete and decided != group_pairs:
+            raise CoreError(f"mesh engine: {decided} of {group_pairs} pairs of groups decided")
+        opened, groups = run.pairs_skipped + run.tested, run.group_pairs_opened
+        if complete and not have_pairs(groups, opened, sizes):
+            raise CoreError(f"mesh engine: {opened} pairs in {groups} pairs of groups decided")
         near = np.stack([a.numbers[run.near[:, 0]], b.numbers[run.near[:, 1]]], 1)
-        opened = run.pairs_skipped + run.tested
         return SceneRun(
             len(a.facets) * len(b.facets) - opened if complete else 0,
             run.pairs_skipped, run.tested, run.near_count, run.group_pairs_skipped, run.group_pairs_opened,

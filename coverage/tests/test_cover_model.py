@@ -188,7 +188,7 @@ def test_damaged_files_are_refused(tmp_path):
             load(path, DIGITS)
     # Whole, but not of the bins that there are.
     for numbers, said in (
-        (["x"] * 10, "no numbers"), ([1 << 80] * 10, "no numbers"), ([0] * 9, "not fit"), ([-1] * 10, "not fit"),
+        (["x"] * 9, "no number"), ([1 << 80] * 10, "no number"), ([0] * 9, "not fit"), ([-1] * 10, "not fit"),
     ):  # fmt: skip
         counts = counted([1])
         replace(counts, hits={**counts.hits, "digit": np.array(numbers)}).save(path)

@@ -97,6 +97,15 @@ def test_a_lying_solver_is_caught(lie, height, margin):
         judge(FLAT, lifted(FLAT, height), margin, LyingSolver(lie))
 
 
+def test_what_a_second_check_does_not_confirm_is_no_answer(monkeypatch):
+    monkeypatch.setattr("triaxis.golden.judge.axis_proves_clear", lambda *_: False)
+    with pytest.raises(CertificateError, match=r"does not separate .* by 1$"):
+        judge(FLAT, lifted(FLAT, 5), 1)
+    monkeypatch.setattr("triaxis.golden.judge.first_separating", lambda pairs, _: np.zeros(len(pairs)))
+    with pytest.raises(CertificateError, match="the 32 axes and the linear program disagree on"):
+        judge_pairs(np.array([[FLAT, FLAT]]), np.zeros(1, np.int64))
+
+
 def test_fixed_numbers_of_bits_do_not_run_over():
     a = [[Fraction(1, 8) if k == n else Fraction(0) for k in range(3)] for n in range(3)]
     b = [list(np.array([1 << 30, k, n], np.int32)) for k, n in ((0, 0), (1, 0), (0, 1))]

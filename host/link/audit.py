@@ -4,13 +4,13 @@ What it may never say, whatever it was asked, are fields of a reply against each
 that was asked for, and complete: one that left pairs out cannot pass for clear.
 """
 
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 import numpy.typing as npt
 
 from triaxis.golden.errors import InputError
+from triaxis.host.group_pairs import group_pair_sizes, have_pairs, most_pairs
 from triaxis.host.link.exchange import LinkError
 from triaxis.host.link.messages import (
     ZONES,
@@ -128,60 +128,18 @@ def _check_counters(status: Status, group: int) -> None:
     if status.mode == Mode.FIRST or status.end == RunEnd.FIRST:
         must_be("mode of a run that stopped", status.mode, Mode.FIRST)
         must_be("near pairs of a run that stops at the first", status.near, int(status.end == RunEnd.FIRST))
-    sizes = _group_pairs(status.count_a, status.count_b, group)
+    sizes = group_pair_sizes(status.count_a, status.count_b, group)
     group_pairs = sum(count for _, count in sizes)
     seen, opened = status.groups_skipped + status.groups_opened, status.pairs_skipped + status.tested
     if status.end == RunEnd.FIRST:
-        if seen > group_pairs or opened > _most_pairs(status.groups_opened, sizes):
+        if seen > group_pairs or opened > most_pairs(status.groups_opened, sizes):
             raise contradiction(f"{seen} group pairs of {group_pairs}, {opened} pairs skipped or tested")
         return
     must_be("group pairs", seen, group_pairs)
-    if not _have_pairs(status.groups_opened, opened, sizes):
+    if not have_pairs(status.groups_opened, opened, sizes):
         raise contradiction(
             f"{opened} pairs skipped or tested: no {status.groups_opened} of these group pairs have so many"
         )
-
-
-def _group_pairs(count_a: int, count_b: int, group: int) -> list[tuple[int, int]]:
-    """Return how many pairs a pair of groups has, and how many of those there are: the largest first.
-
-    All groups but the last of a mesh are full.
-    """
-    (full_a, rest_a), (full_b, rest_b) = divmod(count_a, group), divmod(count_b, group)
-    some_a, some_b = int(rest_a > 0), int(rest_b > 0)
-    return [
-        (group * group, full_a * full_b),
-        *sorted([(group * rest_b, full_a * some_b), (rest_a * group, some_a * full_b)], reverse=True),
-        (rest_a * rest_b, some_a * some_b),
-    ]
-
-
-def _most_pairs(groups: int, sizes: Sequence[tuple[int, int]]) -> int:
-    """Return how many pairs so many pairs of groups have at most; ``sizes``: as `_group_pairs` gives them."""
-    pairs = 0
-    for size, count in sizes:
-        taken = min(groups, count)
-        pairs += taken * size
-        groups -= taken
-    return pairs
-
-
-def _have_pairs(groups: int, pairs: int, sizes: Sequence[tuple[int, int]]) -> bool:
-    """Return whether some that many pairs of groups have exactly so many pairs; ``sizes``: likewise.
-
-    Between the least and the most not all is possible, so that one pair left out mostly shows.
-    """
-    (full, of_full), (long, of_long), (short, of_short), (corner, of_corner) = sizes
-    for corners in range(of_corner + 1):
-        # Of the short ones any number; how many of the others there are then, two equations say.
-        shorts = np.arange(min(of_short, groups - corners) + 1)
-        left = groups - corners - shorts
-        missing = full * left - (pairs - corners * corner - shorts * short)
-        longs = missing // (full - long)
-        whole = longs * (full - long) == missing
-        if (whole & (longs >= 0) & (longs <= np.minimum(of_long, left)) & (left - longs <= of_full)).any():
-            return True
-    return False
 
 
 def check_results(results: Results, group: int, holds: bool = False) -> None:

@@ -57,7 +57,7 @@ ZONES = Flag.SLOW | Flag.WARN
 NO_ZONES = 0, 0
 
 
-MOST_TRIANGLES, MOST_NEAR = 12, 32
+MOST_TRIANGLES = 12
 
 
 class RequestHead(Record):
@@ -230,7 +230,7 @@ class Results:
         pairs = payload[size:]
         status, rest = Status.split(once(payload[:size]))
         head = ResultsHead.unpack(rest)
-        if head.count > MOST_NEAR or len(pairs) != 4 * head.count:
+        if len(pairs) != 4 * head.count:
             raise LayoutError(f"Results: {len(pairs)} bytes for {head.count} near pairs")
         return cls(status, head.start, np.frombuffer(pairs, "<u2").astype(np.int64).reshape(-1, 2))
 

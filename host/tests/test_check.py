@@ -1,14 +1,21 @@
 """``triaxis check``: poses of the first mesh, engines, reports."""
 
 import json
+from dataclasses import replace
+from unittest.mock import Mock
 
+import numpy as np
 import pytest
 
 from triaxis.host import scenes
 from triaxis.host.cli import main
+from triaxis.host.engines import NO_PAIRS, STILL, MeshEngineScene
 from triaxis.host.scenes import mesh_data
 from triaxis.host.tests.published import SCHEMA, read_published
 from triaxis.host.tests.test_cli import meshes
+from triaxis.sim.core_engine import CoreError
+from triaxis.sim.mesh_configuration import MeshConfiguration
+from triaxis.sim.mesh_engine import MeshRun, Status
 
 __all__ = ["meshes"]
 
@@ -128,6 +135,31 @@ def test_check_never_misses_and_alarms_only_in_the_band(check):
     # The gap is 2; at resolution 0.25 alarms may begin three steps early.
     for clearance, status in ((2, 1), (1.999, 1), (1.2, 0), (0, 0)):
         check("--resolution", 0.25, "--clearance", clearance, "--engine", "bulk", status=status)
+
+
+@pytest.mark.parametrize(
+    ("changes", "said"),
+    [
+        ({"near_count": 0}, "counts 0 near pairs of 1 tested, tells of 1"),
+        ({"near": NO_PAIRS}, "counts 1 near pairs of 1 tested, tells of 0"),
+        ({"tested": 0, "pairs_skipped": 6}, "counts 1 near pairs of 0 tested, tells of 1"),
+        ({"group_pairs_skipped": 1}, "3 of 2 pairs of groups decided"),
+        ({"pairs_skipped": 4}, "5 pairs in 2 pairs of groups decided"),
+        *(({"status": end}, f"status {end.name} at translation") for end in Status if end > Status.COMPLETE),
+    ],
+    ids=str,
+)
+def test_a_simulated_engine_that_contradicts_itself_is_not_believed(monkeypatch, changes, said):
+    a, b = np.zeros((3, 3, 3), np.int64), np.zeros((2, 3, 3), np.int64)
+    run = MeshRun(Status.COMPLETE, 9, 0, 2, 5, 1, 1, 0, near=np.zeros((1, 2), np.int64))
+    configuration = MeshConfiguration(8, 8, depth=4, group=2, lanes=2)
+    engine = Mock(configuration=configuration, **{"run.return_value": run})
+    monkeypatch.setattr("triaxis.host.engines.MeshEngine", lambda _: engine)
+    scene = MeshEngineScene(a, b, configuration)
+    assert scene.run(STILL, 0).near_count == 1
+    engine.run.return_value = replace(run, **changes)
+    with pytest.raises(CoreError, match=f"^mesh engine: {said}"):
+        scene.run(STILL, 0)
 
 
 @pytest.mark.skipif(mesh_data() is None, reason="no real meshes: set TRIAXIS_DATA to a folder with vmc/*.stl")

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from triaxis.golden.judge import judge
-from triaxis.host import euclidean, least, scenes
+from triaxis.host import least, scenes
 from triaxis.host.cli import ERROR, main
 from triaxis.host.engines import scene_engine
 from triaxis.host.euclidean import EuclideanEngine, euclidean_distance, squared_distance
@@ -165,7 +165,7 @@ def test_what_only_corners_bring_near_is_cleared_and_nothing_else(rng, monkeypat
         assert (first.near_count > 0) == (len(near) > 0)
         # Of many nobody is asked: near by Chebyshev, which Euclid may not be.
         with monkeypatch.context() as patch:
-            patch.setattr(euclidean, "_MANY", 0)
+            patch.setattr("triaxis.host.euclidean._MANY", 0)
             many = both.run((3, -4, 5), margin, stop_at_first=True)
         assert many.near_count == len(many.near) == engine.run((3, -4, 5), margin).near_count
     assert cleared > 5

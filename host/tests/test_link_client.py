@@ -25,7 +25,6 @@ from triaxis.host.link.messages import (
     ReplyHead,
     Results,
     RunRequest,
-    State,
     twice,
 )
 from triaxis.host.link.wire import Deframer, encode
@@ -188,16 +187,13 @@ def test_flags_of_zones_that_contradict_the_status():
                     check_status(replace(running, flags=flags | go), BOARD.group, holds)
         check_status(replace(running, flags=Flag.NEAR_WAITING), BOARD.group, holds)
         idle = replace(running, state=0, run=0, mode=0, margin=0)
-        for one in (near, replace(near, mode=2), replace(CLEAR, flags=ZONES), idle, replace(running, mode=2)):
-            what = "near pairs wait" if one.state == State.DONE else "numbers of a run in state"
-            with pytest.raises(LinkError, match=what) if one != near else nullcontext():
+        for one in (replace(near, mode=2), replace(near, near=0), idle, replace(running, mode=2)):
+            with pytest.raises(LinkError, match=r"near pairs wait|numbers of a run in state"):
                 check_status(replace(one, flags=one.flags | Flag.NEAR_WAITING), BOARD.group, holds)
     # Go of the runs before, which no fault and no silence outlasts.
-    for flags in (Flag.GO, Flag.GO | Flag.NEAR_WAITING):
-        check_status(replace(running, flags=flags), BOARD.group, holds=True)
-        for wrong in (Flag.FAULT, Flag.WATCHDOG_EXPIRED):
-            with pytest.raises(LinkError, match="go, although the watchdog has run out, or a check has fai"):
-                check_status(replace(running, flags=flags | wrong), BOARD.group, holds=True)
+    for wrong in (0, Flag.FAULT, Flag.WATCHDOG_EXPIRED):
+        with pytest.raises(LinkError, match="go, although the watchdog has") if wrong else nullcontext():
+            check_status(replace(running, flags=Flag.GO | Flag.NEAR_WAITING | wrong), BOARD.group, True)
 
 
 NEAR = [(0, 0), (5, 4), (1, 2), (0, 4)]
@@ -246,8 +242,8 @@ def test_near_pairs_wait_where_there_are_some_and_nowhere_else(near, what):
 
 def test_a_later_status_is_of_the_same_run():
     for lie in (
-        {"run": 2}, {"mode": 2}, {"x": 1}, {"margin": 4}, {"cycles": 100}, {"pairs_skipped": 6, "tested": 6}, {"count_a": 5},
-        {"errors": 2}, {"near": 1}, {"end": 3},
+        {"run": 2}, {"mode": 2}, {"x": 1}, {"margin": 4}, {"cycles": 100},
+        {"pairs_skipped": 6, "tested": 6}, {"count_a": 5}, {"errors": 2}, {"near": 1}, {"end": 3},
     ):  # fmt: skip
         line = ScriptedLine().lie(errors=3)
         board = Board(line)
@@ -301,9 +297,15 @@ SAID = [
     (Command.RUN, Code.OK, twice(bytes([2, 0, 0])), "hold: Begun(number=2, hold=0), expected Begun(number=1"),
     (Command.RUN, Code.OK, twice(bytes([1, 7, 0])), "hold: Begun(number=1, hold=7), expected Begun(number=1"),
     (Command.RESULTS, Code.OK, twice(bytes(7)), "must be 51: not this protocol"),
-    *((Command.RESULTS, Code.OK, twice(CLEAR.pack() + bytes([0, 0, 0, 0, count])) + bytes(4 * came),
-       f"Results: {4 * came} bytes for {count} near pairs: not this protocol")
-      for count, came in ((2, 1), (1, 2), (33, 33))),
+    *(
+        (
+            Command.RESULTS,
+            Code.OK,
+            twice(CLEAR.pack() + bytes([0, 0, 0, 0, count])) + bytes(4 * came),
+            f"Results: {4 * came} bytes for {count} near pairs: not this protocol",
+        )
+        for count, came in ((2, 1), (1, 2))
+    ),
     (Command.HELLO, Code.OK, b"\x03" + bytes(12), "speaks protocol 03, this program 07: load the bitstream"),
 ]
 

@@ -111,11 +111,11 @@ def test_what_waits_before_anybody_reads_it_is_no_position(waiting):
 
 def test_a_terminal_that_is_gone_has_no_positions():
     end, terminal = os.openpty()
-    positions = Positions(terminal)
-    os.close(end)
-    with pytest.raises(InputError, match="^positions: cannot read: Input/output error: the machine is stop"):
-        positions.report()
+    positions = Positions(end)
     os.close(terminal)
+    with pytest.raises(InputError, match="cannot read: Input/output error: the machine is stopped"):
+        positions.report()
+    os.close(end)
 
 
 def test_an_ordinary_file_has_no_positions(tmp_path):

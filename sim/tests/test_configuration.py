@@ -7,7 +7,7 @@ import pytest
 
 from triaxis.golden.errors import InputError
 from triaxis.golden.pairs import NO_AXIS, VERDICT, coordinate_range
-from triaxis.sim.board_parameters import parse_board_configuration
+from triaxis.sim.board_parameters import BoardParameters, parse_board_configuration
 from triaxis.sim.configuration import Configuration, parse_configuration
 from triaxis.sim.packing import data_bytes, data_words, pack_data, pack_user, unpack_data, unpack_user
 from triaxis.sim.paths import DUT, ROOT
@@ -34,6 +34,8 @@ def test_names_of_boards_parse():
     for name in ("board_w12_m5_d128_g8", "board_w12_m5_d128_g8_l4_real_plain", "board_w12_m5_d128_g8_l4_x"):
         with pytest.raises(InputError, match="must read board_w"):
             parse_board_configuration(name)
+    with pytest.raises(InputError, match="clocks per three bits 11: must be at least 12"):
+        BoardParameters(clocks_per_three_bits=11)
 
 
 def test_the_queue_is_that_of_the_rtl():
@@ -53,7 +55,7 @@ def test_the_documented_latencies_are_those_that_the_rtl_is_held_against():
     assert found == [(w, *(Configuration(w, m).latency for m in (0, 8, w))) for w in widths]
 
 
-@pytest.mark.parametrize("width", [8, 13, 16, 31, 32])
+@pytest.mark.parametrize("width", [8, 13, 16, 24, 31, 32])
 def test_words_survive(rng, width):
     low, high = coordinate_range(width)
     pairs = rng.integers(low, high + 1, (50, 2, 3, 3))
