@@ -76,6 +76,8 @@ LIES = [
     {"pairs_skipped": 1, "tested": 4}, {"pairs_skipped": 21, "tested": 4},
     # Nor what is between, but is no sum of two.
     {"tested": 3}, {"tested": 5}, {"pairs_skipped": 10}, {"groups_skipped": 0, "groups_opened": 4},
+    # A kind that there is once taken twice.
+    {"pairs_skipped": 28}, {"pairs_skipped": 12}, {"pairs_skipped": 4}, {"pairs_skipped": 0},
     {"near": 5, "flags": ZONES}, {"errors": 4096},
 ]  # fmt: skip
 
