@@ -9,7 +9,7 @@ import pytest
 
 from triaxis.coverage.board_coverage import board_model
 from triaxis.coverage.core_coverage import core_model
-from triaxis.coverage.counts import Counts, CoverageDatabase, load, read_counts, write_counts
+from triaxis.coverage.counts import Counts, CoverageDatabase, load, read_counts
 from triaxis.coverage.cover_model import (
     CoverItem,
     CoverModel,
@@ -194,8 +194,3 @@ def test_damaged_files_are_refused(tmp_path):
         replace(counts, hits={**counts.hits, "digit": np.array(numbers)}).save(path)
         with pytest.raises(InputError, match=f"counts .*{said}.*; delete it and run again"):
             load(path, DIGITS)
-    write_counts(path, [counted([1])] * 2)
-    with pytest.raises(InputError, match="counts of 2 models where those of digits were due"):
-        load(path, DIGITS)
-    with pytest.raises(InputError, match="counts of coverage model others: no such model in this database"):
-        CoverageDatabase([DIGITS]).add(counted([1], OTHER))

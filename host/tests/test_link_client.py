@@ -10,7 +10,6 @@ import pytest
 import serial
 
 from triaxis.host.engines import STILL
-from triaxis.host.link import exchange
 from triaxis.host.link.audit import check_later, check_status
 from triaxis.host.link.board import Board
 from triaxis.host.link.board_engine import BoardEngine
@@ -410,15 +409,12 @@ def test_ports_that_cannot_be_used(monkeypatch, tmp_path):
     ):
         with pytest.raises(LinkError, match=what):
             SerialLine(name)
+    monkeypatch.setattr("triaxis.host.link.exchange._WRITE_SECONDS", 0.05)
     port = PseudoTerminal()
-    with monkeypatch.context() as patch:
-        patch.setattr(exchange, "_WRITE_SECONDS", 0.05)
-        line = SerialLine(port.path)
     # Nobody fetches what is sent.
     with pytest.raises(LinkError, match="takes no bytes: check the cable; verdict unknown"):
-        line.send(bytes(1 << 20))
+        SerialLine(port.path).send(bytes(1 << 20))
     port.close()
-    line.close()
     for number, what in (
         (errno.EACCES, "no permission: join the port's group"),
         (errno.EBUSY, "port in use"),

@@ -207,12 +207,6 @@ def test_an_elaboration_that_is_damaged_or_of_another_module_is_refused(tmp_path
             read_elaboration(path, "top")
     with pytest.raises(InputError, match="none: cannot read: No such file or directory"):
         read_elaboration(path.with_name("none"), "top")
-    signal = '{"type": "VAR", "name": "s", "varType": "WIRE", "dtypep": "1"}'
-    types = '{"type": "TYPETABLE", "typesp": [{"addr": "1", "type": "CLASSREFDTYPE"}]}'
-    module = f'{{"addr": "2", "loc": "a,1:1", "origName": "top", "stmtsp": [{signal}]}}'
-    path.write_text(f'{{"modulesp": [{module}], "miscsp": [{types}]}}')
-    with pytest.raises(InputError, match="s: type CLASSREFDTYPE: unknown to the reader of the elaborated"):
-        read_elaboration(path, "top")
 
 
 COUNTING = """
