@@ -17,8 +17,11 @@ from triaxis.sim.configuration import Configuration
 from triaxis.sim.models import BOARD_SVA, CORE_SVA, MESH_SVA
 from triaxis.sim.paths import DUT
 from triaxis.verif.regress.coverage_models import model_of
+from triaxis.verif.signoff import testplan
+from triaxis.verif.signoff.parts import Part
 from triaxis.verif.signoff.plan import plan
 from triaxis.verif.signoff.testplan import check_plan, inventory
+from triaxis.verif.signoff.tests.signoff_evidence import good_parts
 from triaxis.verif.testbench.assertions import assertion_names
 from triaxis.verif.testbench.settings import Block
 
@@ -62,6 +65,7 @@ KINDS_NAMED = ("tests", "proofs", "faults", "checks", "assertions")
         ('"triaxis_delay/*"', '"triaxis_fifo/*"', ("of triaxis_delay: no testpoint owns them",)),
         ('"succession", ', "", ("of succession: no testpoint owns them",)),
         ('["blind"]', '["blind.by its axes*"]', ("near, though a missing axis separates / coplanar",)),
+        ("stage: V1", "stage: V2", ("test RandomTest: first asked for in V2, its class says V1",)),
     ],
 )
 def test_whatever_is_taken_out_is_missed(tmp_path, capsys, old, new, said):
@@ -77,6 +81,18 @@ def test_whatever_is_taken_out_is_missed(tmp_path, capsys, old, new, said):
     assert all(text in found for text in said), found
 
 
+def covered(model="", item="", bin_=0, hits=0):
+    """Return reports of all models, in which all goals are met but that of one bin."""
+    reports = []
+    for one in dict.fromkeys(model_of(run.config) for run in plan(1)):
+        counts = Counts.empty(one)
+        counts.hits.update({item.name: item.goals.copy() for item in one.items})
+        if one.name == model:
+            counts.hits[item][bin_] = hits
+        reports.append(report(one, counts))
+    return reports
+
+
 @pytest.mark.parametrize(
     ("model", "item", "bin_", "hits", "owner", "said"),
     [
@@ -86,13 +102,7 @@ def test_whatever_is_taken_out_is_missed(tmp_path, capsys, old, new, said):
     ],
 )
 def test_a_missing_and_an_illegal_bin_fail_their_owner_alone(model, item, bin_, hits, owner, said):
-    reports = []
-    for one in dict.fromkeys(model_of(run.config) for run in plan(1)):
-        counts = Counts.empty(one)
-        counts.hits.update({item.name: item.goals.copy() for item in one.items})
-        if one.name == model:
-            counts.hits[item][bin_] = hits
-        reports.append(report(one, counts))
+    reports = covered(model, item, bin_, hits)
     statuses = progress(read_testplan(), inventory(), PlanResults(coverage=reports))
     found = {status.name: status for status in statuses}
     failing = {name: status.failing for name, status in found.items() if status.failing}
@@ -100,6 +110,63 @@ def test_a_missing_and_an_illegal_bin_fail_their_owner_alone(model, item, bin_, 
     assert all(text.startswith(said) for texts in failing.values() for text in texts)
     # 32 axes and near in nine configurations, 14 axes and near in the one without edge x box.
     assert found["claims"].tallies["bins"] == Tally(9 * 33 + 15, 0, 0)
+
+
+def run_parts():
+    """Return parts that ran all that the testplan asks for, and found nothing."""
+    known, parts = inventory(), good_parts()
+
+    def ran(kind, **found):
+        return [{"name": name, "passed": True, **found} for name in sorted(known.names(kind))]
+
+    parts["simulation"].evidence["runs"] = [{**one, "test": one["name"]} for one in ran("tests")]
+    parts["proofs"].evidence["proofs"] = ran("proofs", result="proved")
+    parts["faults"].evidence["faults"] = ran("faults", caught=True)
+    parts["mutation"].evidence.update(killed=sorted(known.mutants)[1:], equivalents=[])
+    parts["mutation"].evidence["equivalents"] = [{"id": min(known.mutants)}]
+    return parts
+
+
+THEOREM_ABSENT = {"name": "theorem", "passed": False, "result": "not measured"}
+
+
+@pytest.mark.parametrize(
+    ("part", "change", "kind", "name"),
+    [
+        ("proofs", lambda e: e["proofs"].append(THEOREM_ABSENT), "", ""),
+        ("simulation", lambda e: e["runs"].append({"test": "FarTest", "passed": False}), "tests", "FarTest"),
+        ("proofs", lambda e: e["proofs"].append({**THEOREM_ABSENT, "name": "reach"}), "proofs", "reach"),
+        ("proofs", lambda e: e["proofs"].append({**THEOREM_ABSENT, "result": "x"}), "proofs", "theorem"),
+        ("proofs", lambda e: e["proofs"].pop(0), "proofs", min(inventory().proofs)),
+        ("faults", lambda e: e["faults"].append({"name": "F5", "caught": False}), "faults", "F5"),
+        ("mutation", lambda e: e["survivors"].append({"id": e["killed"][9]}), "mutants", 10),
+        ("mutation", lambda e: e.update(equivalents=[]), "mutants", 0),
+        ("simulation", lambda e: e["detector"].update(seed_vectors_clear=14), "checks", "detector"),
+        ("simulation", lambda e: e["detector"].update(wrong=1), "checks", "detector"),
+        ("simulation", lambda e: e["detector"].update(pairs=0), "checks", "detector"),
+        ("simulation", lambda e: e["solvers"].update(pairs=0), "checks", "solvers"),
+        ("simulation", lambda e: e["solvers"].update(different=1), "checks", "solvers"),
+        ("simulation", lambda e: e.update(scenes=[]), "checks", "scenes"),
+        ("simulation", lambda e: e["scenes"][0].update(agrees=False), "checks", "scenes"),
+        ("simulation", lambda e: e.update(real_meshes=[{**e["scenes"][0], "found": ""}]), "checks", "scenes"),
+        ("exhaustive", lambda e: e.update(passed=False), "checks", "exhaustive"),
+        ("code_coverage", lambda e: e.update(passed=False), "checks", "code_coverage"),
+    ],
+)  # fmt: skip
+def test_what_fails_or_is_not_there_leaves_its_testpoints_open_and_what_they_serve(part, change, kind, name):
+    parts = run_parts()
+    change(parts[part].evidence)
+    found = testplan.testplan_part(parts, covered())
+    name = sorted(inventory().mutants)[name] if kind == "mutants" else name
+    plan = read_testplan()
+    owners = {one.name for one in plan.testpoints if kind and name in inventory().owned(one, kind)}
+    assert {one["name"] for one in found["testpoints"] if one["passed"] is not True} == owners
+    served = {one for point in plan.testpoints if point.name in owners for one in point.requirements}
+    assert {one["id"] for one in found["requirements"] if not one["passed"]} == served
+    assert found["passed"] is (not owners) and bool(owners) is bool(kind) and not found["problems"]
+    # Nothing of what did not run is met.
+    absent = testplan.testplan_part({**parts, part: Part(None, "no tool")}, covered())
+    assert not absent["passed"] and owners <= {p["name"] for p in absent["testpoints"] if not p["passed"]}
 
 
 def test_assertions_are_all_of_those_in_the_files(tmp_path):
