@@ -4,11 +4,13 @@ import signal
 import sys
 from dataclasses import replace
 
+import numpy as np
 import pytest
 
+from triaxis.golden.bulk import bulk_facts
 from triaxis.golden.errors import InputError
 from triaxis.golden.game_solver import GameSolver
-from triaxis.verif.core import solver_check
+from triaxis.verif.core import detector_check, solver_check
 from triaxis.verif.core.solver_check import check_solvers, other_solver
 
 
@@ -36,6 +38,17 @@ def test_a_solver_that_lies_is_noticed(seed, monkeypatch):
     pytest.importorskip("ppl", reason="pplpy is not installed: nothing to compare")
     monkeypatch.setattr(solver_check, "SOLVER", FarSolver())
     assert check_solvers(seed, (16,), 60).different > 0
+
+
+@pytest.mark.parametrize(("place", "clear", "wrong"), [(None, 15, 0), (14, 14, 0), (15, 15, 1)])
+def test_a_wrapper_that_is_wrong_in_one_answer_is_noticed(seed, monkeypatch, place, clear, wrong):
+    def detect(pairs, _):
+        near = bulk_facts(pairs, np.zeros(len(pairs), np.int64)).near
+        return near ^ (np.arange(len(pairs)) == place)
+
+    monkeypatch.setattr(detector_check, "detect", detect)
+    monkeypatch.setattr(detector_check, "_PAIRS", 300)
+    assert detector_check.check_detector(seed) == detector_check.DetectorResult(clear, 300, wrong)
 
 
 def test_without_ppl_it_says_what_to_install(monkeypatch):

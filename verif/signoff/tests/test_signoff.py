@@ -2,15 +2,19 @@
 
 import re
 from dataclasses import replace
+from fractions import Fraction
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from triaxis.coverage.core_coverage import core_model
 from triaxis.coverage.counts import Counts
 from triaxis.coverage.report import IllegalHit, ItemReport, ModelReport
 from triaxis.fpga.board_build import SIGNED_OFF, generics
+from triaxis.golden.bulk import bulk_facts
 from triaxis.golden.errors import InputError
+from triaxis.host.scenes import box, write_stl
 from triaxis.sim.configuration import Configuration
 from triaxis.sim.mesh_engine import MeshEngine
 from triaxis.sim.paths import ROOT
@@ -20,9 +24,11 @@ from triaxis.verif.core.solver_check import SolverResult
 from triaxis.verif.core.stimulus.families import FAMILIES
 from triaxis.verif.core.uvm_tests import BUILDS
 from triaxis.verif.regress.coverage_models import merge_coverage
+from triaxis.verif.signoff import scene_checks, simulation
 from triaxis.verif.signoff.plan import VOLUME, plan
 from triaxis.verif.signoff.scene_checks import SceneResult, check_sizes
 from triaxis.verif.signoff.simulation import SOURCES, SimulationResult
+from triaxis.verif.signoff.tests import signoff_evidence
 from triaxis.verif.testbench.settings import BURST, PIN, Block, coverage_file
 from triaxis.verif.testbench.simulation import RunResult, run_settings
 from triaxis.verif.testbench.table import table
@@ -153,6 +159,58 @@ def test_coverage_of_another_model_ends_the_signoff(tmp_path):
     for message, folder in wrong.items():
         with pytest.raises(InputError, match=message):
             merge_coverage(tmp_path, ["w16_m0"], [("w16_m0", folder)])
+
+
+def test_a_run_that_fails_covers_nothing_and_is_told_in_the_file(monkeypatch):
+    ran = {run.settings: run for run in (replace(CORE, passed=False, counts={**COUNTS, "failed": 3}), BOARD)}
+    covering, steps = [], []
+
+    def stub(name, answer):
+        monkeypatch.setattr(simulation, name, answer)
+
+    stub("plan", lambda *_: list(ran))
+    stub("_builds", lambda _: [lambda: None])
+    stub("run_and_explain", ran.__getitem__)
+    stub("check_scenes", lambda _: [SCENE])
+    stub("check_real_meshes", lambda _: [OTHER_SCENE])
+    stub("check_detector", lambda _: GOOD.detector)
+    stub("check_solvers", lambda _: GOOD.solvers)
+    stub("merge_coverage", lambda _, configs, passed: covering.extend(passed) or covered()["coverage"])
+    found = simulation.simulate(1, steps.append, 5)
+    assert covering == [(BOARD.settings.config, Path(BOARD.settings.folder))]
+    assert sum(steps) == simulation.step_count(1, 5) == 1 + 2 + 4
+    written = simulation.as_evidence(found, 1, 5)
+    assert written["passed"] is False and written["problems"] == found.problems
+    assert (written["mismatches"], written["pairs_checked"]) == (3, 200_000)
+    assert [run["passed"] for run in written["runs"]] == [False, True]
+    # All that figures, gate and archive ask for.
+    assert signoff_evidence.good_parts()["simulation"].as_json.keys() - {"absent"} <= written.keys()
+
+
+@pytest.mark.parametrize(
+    ("expected", "wrong", "said", "agrees"),
+    [(True, False, "near", True), (False, False, "near", True), (False, True, "clear", False)],
+)
+def test_a_scene_with_another_end_or_another_verdict_fails(
+    tmp_path, monkeypatch, expected, wrong, said, agrees
+):
+    """A box in a box; and beside one, nearer than the clearance, of which the core says clear."""
+
+    class Engine:
+        def __init__(self, _):
+            pass
+
+        def verdicts(self, pairs, margins):
+            answers = bulk_facts(pairs, margins).verdicts
+            answers["near"] &= not wrong
+            return answers
+
+    monkeypatch.setattr(scene_checks, "RtlEngine", Engine)
+    inner, outer = (tmp_path / f"{name}.stl" for name in ("inner", "outer"))
+    write_stl(inner, box((0, 0, 0), (4, 4, 4)))
+    write_stl(outer, box((-9, -9, -9), (9, 9, 9)) + np.float32([99 * wrong, 0, 0]))
+    found = scene_checks._check_files("box", inner, outer, expected, Fraction(200 * wrong or 1))
+    assert (found.found, found.agrees, found.passed) == (said, agrees, expected)
 
 
 @pytest.mark.long
