@@ -106,7 +106,12 @@ class FourStateResult:
             for ran in self.runs
             if ran.passed and ran.counts and ran.counts["accepted"] < LEAST_SENT * ran.settings.pairs
         ]
-        found += ["no output was looked at"] if not self.looked else []
+        found += [
+            f"{ran.settings.test} in {ran.settings.config}: no output was looked at"
+            for ran in self.runs
+            if ran.passed and not _unknown(ran)["looked"]
+        ]
+        found += [] if self.runs else ["nothing was run"]
         return found + (["the RTL or its environment changed meanwhile"] if self.changed else [])
 
     @property

@@ -1,6 +1,7 @@
 """Unknown values are seen where they reach an output; what a two-state simulator takes for a number too."""
 
 import json
+from dataclasses import replace
 
 import pytest
 
@@ -98,6 +99,11 @@ def test_a_run_that_sends_less_than_it_is_asked_for_is_a_problem(tmp_path):
         counts = {"accepted": accepted, "checked": accepted, "failed": 0}
         ran = RunResult(settings, True, 1.0, counts, (), tmp_path / "log")
         assert FourStateResult((ran,), HERE, False, 1.0).problems == said
+    # Nor do others hide one that looked at nothing.
+    blind = replace(ran, settings=replace(settings, folder=str(tmp_path)))
+    said = FourStateResult((ran, blind), HERE, False, 1.0).problems
+    assert said[-1] == "FarTest in w16_m0: no output was looked at"
+    assert FourStateResult((), HERE, False, 1.0).problems == ["nothing was run"]
 
 
 def test_the_plan_has_every_test_of_resets_and_ten_thousand_pairs():

@@ -36,6 +36,7 @@ from triaxis.verif.regress.records import (
     write_state,
 )
 from triaxis.verif.regress.reports import write_junit, write_report, write_results
+from triaxis.verif.testbench.simulation import RunResult
 
 RUN = PlannedRun("MixedTest_w16_m0", "MixedTest", "w16_m0", 7, 2000, "burst", 1)
 PASSED = RunRecord(
@@ -232,6 +233,31 @@ def test_a_job_that_cannot_be_done_leaves_its_reason_and_no_result(tmp_path, job
         assert "margin bits 17" in error_file(tmp_path, "w16_m17").read_text()
 
 
+@pytest.mark.parametrize(
+    ("came", "errors", "silent"),
+    [
+        ((True, {"accepted": 1800}, ()), (), False),
+        ((True, {"accepted": 1799}, ()), ("ERROR 1799 of 2000 pairs sent",), False),
+        ((True, None, ()), ("ERROR 0 of 2000 pairs sent",), False),
+        ((False, {"accepted": 2000}, ("no verdict",)), ("no verdict",), False),
+        # What was killed says nothing of the RTL; what an assertion ended does.
+        ((False, None, ("killed",)), ("killed",), True),
+        ((False, None, ("%Error: a.sv: Assertion failed",)), ("%Error: a.sv: Assertion failed",), False),
+        (None, ("ERROR no compiler",), True),
+    ],
+)
+def test_a_run_passes_where_it_sent_its_pairs_and_none_was_wrong(tmp_path, monkeypatch, came, errors, silent):
+    def run_and_explain(settings):
+        if came is None:
+            raise InputError("no compiler")
+        passed, counts, said = came
+        return RunResult(settings, passed, 1.0, counts, said, tmp_path / "log")
+
+    monkeypatch.setattr(one_job, "run_and_explain", run_and_explain)
+    found = one_job._perform(RUN, tmp_path, "sources", "")
+    assert (found.passed, found.errors, found.silent) == (not errors, errors, silent)
+
+
 def test_a_run_whose_sources_were_written_to_leaves_no_result(tmp_path, monkeypatch, capsys):
     """Though they are again what they were: the simulation may have been of what was there in between."""
     dut, key = tmp_path / "dut", standing(one_job.SOURCES).valid_for.key
@@ -263,6 +289,12 @@ def test_missing_tools_are_named_and_lsf_goes_through_bsub(monkeypatch, tmp_path
     for kind, said in ((SLURM, "srun: not found: install Slurm's commands"), (LSF, "bsub: not found")):
         with pytest.raises(InputError, match=said):
             launcher(kind, "name", None)
+    (tmp_path / "srun").symlink_to("/bin/true")
+    for answer, said in (("echo down >&2; exit 1", "down; see"), ("exit 0", "no partition; see")):
+        (tmp_path / "sinfo").write_text(f"#!/bin/sh\n{answer}\n")
+        (tmp_path / "sinfo").chmod(0o755)
+        with pytest.raises(InputError, match=f"Slurm does not answer: {said}"):
+            launcher(SLURM, "name", None)
     bsub = tmp_path / "bsub"
     bsub.write_text("#!/bin/sh\n")
     bsub.chmod(0o755)

@@ -191,9 +191,7 @@ def test_a_run_that_fails_covers_nothing_and_is_told_in_the_file(monkeypatch):
     ("expected", "wrong", "said", "agrees"),
     [(True, False, "near", True), (False, False, "near", True), (False, True, "clear", False)],
 )
-def test_a_scene_with_another_end_or_another_verdict_fails(
-    tmp_path, monkeypatch, expected, wrong, said, agrees
-):
+def test_a_scene_of_another_end_or_verdict_fails(tmp_path, monkeypatch, expected, wrong, said, agrees):
     """A box in a box; and beside one, nearer than the clearance, of which the core says clear."""
 
     class Engine:
