@@ -115,7 +115,7 @@ def _watch(
                     refused = said[2]
                 elif said[1] == "figure":
                     name, _, value = said[2].partition(" ")
-                    figures[name] = _number(name, value)
+                    figures[name] = float(value)
                 elif said[2] in STAGES and progress:
                     progress(1)
         except BaseException:
@@ -123,13 +123,6 @@ def _watch(
             os.killpg(process.pid, signal.SIGKILL)
             raise
     return refused, figures, process.returncode
-
-
-def _number(name: str, value: str) -> float:
-    try:
-        return float(value)
-    except ValueError as error:
-        raise InputError(f"vivado: {name}: {value!r} is no number") from error
 
 
 def _reason(log: Path, status: int) -> str:

@@ -1,6 +1,7 @@
 """The build script and the constraints, really run by Tcl with the commands of Vivado recorded."""
 
 import contextlib
+import math
 import re
 import subprocess
 import time
@@ -79,6 +80,9 @@ def test_a_build_that_is_in_time(tmp_path):
         (Behaviour(met=False), "not all constraints are met"),
         (Behaviour(setup=None), "no constrained path"),
         (Behaviour(hold=None), "no constrained path"),
+        # Of a path without a constraint.
+        (Behaviour(setup=math.inf), "no constrained path"),
+        (Behaviour(hold=math.inf), "no constrained path"),
         (Behaviour(unrouted=2), "2 nets are not routed"),
     ],
 )

@@ -40,10 +40,12 @@ proc figure {name value} {
 # The slack of the worst path. No path at all is an error of the constraints, not a pass.
 proc slack {kind} {
     set paths [get_timing_paths -delay_type $kind -max_paths 1 -nworst 1]
-    if {[llength $paths] == 0} {
+    set slack [expr {[llength $paths] ? [get_property SLACK [lindex $paths 0]] : {}}]
+    # That of a path without a constraint is infinite, or empty.
+    if {![string is double -strict $slack] || $slack == Inf} {
         refuse "timing: no constrained path ($kind): the clock constraint is missing"
     }
-    return [get_property SLACK [lindex $paths 0]]
+    return $slack
 }
 
 # Vivado goes on after a constraint that it does not understand: a port without its pin or its pull.
