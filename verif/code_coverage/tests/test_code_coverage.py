@@ -25,10 +25,11 @@ from triaxis.host.tests.published import read_published
 from triaxis.sim.build import run_tool
 from triaxis.sim.configuration import Configuration
 from triaxis.sim.core_engine import CorePlayer
-from triaxis.sim.models import BOARD_SVA, CORE_SVA, MESH_SVA, assertions
+from triaxis.sim.models import BOARD_SVA, CORE_SVA, MESH_SVA, assertions, core_build
 from triaxis.sim.paths import board_sources, mesh_sources, rtl_sources
 from triaxis.sim.validity import Provenance
 from triaxis.sim.verilate import QUICK, compiler, described, library, runtime
+from triaxis.verif.code_coverage import run as measuring
 from triaxis.verif.code_coverage.run import (
     BOARDS,
     CORES,
@@ -41,6 +42,7 @@ from triaxis.verif.code_coverage.run import (
     write_json,
 )
 from triaxis.verif.commands import coverage as command
+from triaxis.verif.testbench.simulation import RunResult, run_settings
 
 # Quick to build: its counters are shown to count here, not its coverage.
 SMALL = Configuration(8, 0, tag_bits=1, edge_box=False)
@@ -153,6 +155,15 @@ def test_the_result_is_written_and_the_exit_code_says_the_same(
     assert content["files"]["a.sv"]["line"]["total"] == 10
     assert content["waivers"][0]["bins"] == 1 and content["seed"] == 5
     assert main(["coverage", "code", "--pairs=0"]) == 2
+
+
+@pytest.mark.parametrize(("passed", "counts"), [(False, {"checked": 9, "failed": 1}), (True, None)])
+def test_a_test_that_fails_or_counts_nothing_ends_it(monkeypatch, passed, counts) -> None:
+    came = RunResult(run_settings("FarTest", "w8_m0", 1, 9), passed, 1.0, counts, (), Path("log"))
+    monkeypatch.setattr(measuring, "run", lambda *_, **__: came)
+    monkeypatch.setattr(measuring, "library", lambda _: Path())
+    with pytest.raises(InputError, match="code coverage: FAILED FarTest"):
+        measuring._Test(core_build(SMALL), "FarTest", 9, 1).run()
 
 
 RULES = """

@@ -11,6 +11,7 @@ from triaxis.sim.evidence import read_evidence
 from triaxis.sim.paths import DUT
 from triaxis.sim.validity import Validity
 from triaxis.verif.formal.proof import Finding, Outcome, Result
+from triaxis.verif.netlist import result as netlist_result
 from triaxis.verif.netlist.gates import (
     NOT_SIMULATED,
     SCOPES,
@@ -133,6 +134,22 @@ def test_a_run_counts_where_it_checked_all_that_it_should(passed, counts, good):
     assert (not run.told) == good
     assert replace(_DONE, runs=(run,)).passed == good
     assert run.differences == (counts or {}).get("failed")
+
+
+def test_all_runs_and_proofs_count_and_each_is_told_of_its_own(tmp_path, monkeypatch):
+    def run_on_gates(scope, _):
+        return replace(_ran(scope is not SCOPES[2], {"checked": scope.pairs}), settings=scope.settings(1))
+
+    failed = Outcome(PROOFS[3], Finding(("it differs",)), 1.0)
+    for name, one in {
+        "require_tools": list, "FOLDER": tmp_path, "run_on_gates": run_on_gates,
+        "outcome_of": lambda proof, *_: failed if proof is PROOFS[3] else Outcome(proof, Finding(), 1.0),
+    }.items():  # fmt: skip
+        monkeypatch.setattr(netlist_result, name, one)
+    steps: list[int] = []
+    found = netlist_result.check_all(1, steps.append)
+    assert [run.config for run in found.runs if run.told] == [SCOPES[2].config] and failed in found.outcomes
+    assert len(found.runs) + len(found.outcomes) == len(steps) == len(SCOPES) + len(PROOFS)
 
 
 def test_what_differs_is_undecided_or_absent_fails(tmp_path):

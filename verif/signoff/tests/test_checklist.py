@@ -78,6 +78,16 @@ def test_what_cannot_be_answered_is_refused(tmp_path, answer, message):
         checked(tmp_path, "V1", answer)
 
 
+def test_a_list_that_is_damaged_or_of_other_stages_is_refused(tmp_path):
+    for text, said in (
+        ("[[", "cannot be read"),
+        (ENTRY.format("D1", 'none = "-"'), "must hold the lists D1, D2"),
+    ):
+        (tmp_path / "list.toml").write_text(text)
+        with pytest.raises(InputError, match=said):
+            read_checklist(tmp_path / "list.toml")
+
+
 def test_lint_each_kind_of_coverage_and_a_waiver_without_a_reason_leave_their_items_open():
     def left_open(part, change):
         parts = good_parts()

@@ -128,11 +128,16 @@ def damage(path: Path) -> None:
     [
         (lambda c: (c / CODE).unlink(), r"code\.json: no such file: run `triaxis coverage code`"),
         (lambda c: change(c / CODE, rtl_hash="0" * 64), r"code\.json: is of another RTL \(000000000000"),
+        (lambda c: change(c / CODE, rtl_hash=7), r"code\.json: rtl_hash and command must be texts"),
+        (lambda c: change(c / CODE, runs=[]), r"code\.json: names no runs"),
+        (lambda c: change(c / CODE, runs=7), r"code\.json: names no runs"),
+        (lambda c: (c / "w8_m8.dat").unlink(), r"w8_m8\.dat: no such file"),
         (lambda c: os.utime(c / "w8_m8.dat", (9e9, 9e9)), r"w8_m8\.dat: newer than code\.json"),
         (lambda c: damage(c / "w8_m8.dat"), r"w8_m8\.dat: not a coverage file"),
         (lambda c: change(c / SIGNOFF, rtl_hash="x"), r"signoff\.json: is of another RTL"),
         (lambda c: (c / FUNCTIONAL).unlink(), r"coverage\.json: no such file: run `make"),
         (lambda c: (c / FUNCTIONAL).write_text("{}"), r"coverage\.json: not a coverage f"),
+        (lambda c: change(c / FUNCTIONAL, models=[]), r"coverage\.json: counts of no model"),
         (lambda c: change(c / FUNCTIONAL, digest="0"), r"coverage\.json: damaged"),
     ],
 )

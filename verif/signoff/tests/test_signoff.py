@@ -4,6 +4,7 @@ import re
 from dataclasses import replace
 from fractions import Fraction
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -164,18 +165,14 @@ def test_coverage_of_another_model_ends_the_signoff(tmp_path):
 def test_a_run_that_fails_covers_nothing_and_is_told_in_the_file(monkeypatch):
     ran = {run.settings: run for run in (replace(CORE, passed=False, counts={**COUNTS, "failed": 3}), BOARD)}
     covering, steps = [], []
-
-    def stub(name, answer):
+    for name, answer in {
+        "plan": lambda *_: list(ran), "_builds": lambda _: [lambda: None],
+        "run_and_explain": ran.__getitem__, "check_scenes": lambda _: [SCENE],
+        "check_real_meshes": lambda _: [OTHER_SCENE], "check_detector": lambda _: GOOD.detector,
+        "check_solvers": lambda _: GOOD.solvers,
+        "merge_coverage": lambda _, configs, passed: covering.extend(passed) or GOOD.coverage,
+    }.items():  # fmt: skip
         monkeypatch.setattr(simulation, name, answer)
-
-    stub("plan", lambda *_: list(ran))
-    stub("_builds", lambda _: [lambda: None])
-    stub("run_and_explain", ran.__getitem__)
-    stub("check_scenes", lambda _: [SCENE])
-    stub("check_real_meshes", lambda _: [OTHER_SCENE])
-    stub("check_detector", lambda _: GOOD.detector)
-    stub("check_solvers", lambda _: GOOD.solvers)
-    stub("merge_coverage", lambda _, configs, passed: covering.extend(passed) or covered()["coverage"])
     found = simulation.simulate(1, steps.append, 5)
     assert covering == [(BOARD.settings.config, Path(BOARD.settings.folder))]
     assert sum(steps) == simulation.step_count(1, 5) == 1 + 2 + 4
@@ -194,19 +191,15 @@ def test_a_run_that_fails_covers_nothing_and_is_told_in_the_file(monkeypatch):
 def test_a_scene_of_another_end_or_verdict_fails(tmp_path, monkeypatch, expected, wrong, said, agrees):
     """A box in a box; and beside one, nearer than the clearance, of which the core says clear."""
 
-    class Engine:
-        def __init__(self, _):
-            pass
+    def verdicts(pairs, margins):
+        answers = bulk_facts(pairs, margins).verdicts
+        answers["near"] &= not wrong
+        return answers
 
-        def verdicts(self, pairs, margins):
-            answers = bulk_facts(pairs, margins).verdicts
-            answers["near"] &= not wrong
-            return answers
-
-    monkeypatch.setattr(scene_checks, "RtlEngine", Engine)
+    monkeypatch.setattr(scene_checks, "RtlEngine", lambda _: SimpleNamespace(verdicts=verdicts))
     inner, outer = (tmp_path / f"{name}.stl" for name in ("inner", "outer"))
     write_stl(inner, box((0, 0, 0), (4, 4, 4)))
-    write_stl(outer, box((-9, -9, -9), (9, 9, 9)) + np.float32([99 * wrong, 0, 0]))
+    write_stl(outer, box((-9, -9, -9), (9, 9, 9)) + np.array([99 * wrong, 0, 0], np.float32))
     found = scene_checks._check_files("box", inner, outer, expected, Fraction(200 * wrong or 1))
     assert (found.found, found.agrees, found.passed) == (said, agrees, expected)
 

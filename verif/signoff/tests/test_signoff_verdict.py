@@ -27,7 +27,7 @@ from triaxis.verif.signoff import parts as signoff_parts
 from triaxis.verif.signoff import run as signoff_run
 from triaxis.verif.signoff.gate import BESIDE, PARTS, SOURCES, refusals, remarks
 from triaxis.verif.signoff.page import signoff_page
-from triaxis.verif.signoff.parts import Part
+from triaxis.verif.signoff.parts import Part, attempt
 from triaxis.verif.signoff.tests.signoff_evidence import (
     HERE,
     WAIVERS,
@@ -278,6 +278,12 @@ def test_a_whole_sign_off_takes_no_mutant_from_the_record(tmp_path, monkeypatch,
     assert asked == wanted
     assert [part and part["recorded"] for part in found] == [1, 0 if whole else 1]
     assert [part and part["entries_recorded"] for part in found] == [3, 0 if whole else 3]
+    # Of other mutants, or where one is no longer listed as equivalent, it is no result.
+    monkeypatch.setattr(signoff_parts, "mutant_names", lambda: ["m/op/1", "m/op/2"])
+    assert "of other mutants" in (attempt(lambda: signoff_parts.mutation_part(7, print)).absent or "")
+    monkeypatch.setattr(signoff_parts, "mutant_names", lambda: ["m/op/1"])
+    monkeypatch.setattr(signoff_parts, "EQUIVALENT", KILLED)
+    assert "no longer listed" in (attempt(lambda: signoff_parts.mutation_part(7, print)).absent or "")
     # All that the gate and the evidence that is handed over ask for.
     assert all(
         part and set(signed().content()["parts"]["mutation"]) - {"absent"} <= set(part) for part in found
