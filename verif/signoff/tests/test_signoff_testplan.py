@@ -2,6 +2,7 @@
 
 import re
 from dataclasses import replace
+from functools import cache
 from typing import Any
 
 import pytest
@@ -82,6 +83,7 @@ def test_whatever_is_taken_out_is_missed(tmp_path, capsys, old, new, said):
     assert all(text in found for text in said), found
 
 
+@cache
 def covered(model="", item="", bin_=0, hits=0):
     """Return reports of all models, in which all goals are met but that of one bin."""
     reports = []
