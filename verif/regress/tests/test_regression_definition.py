@@ -94,7 +94,7 @@ def test_dvsim_runs_each_test_in_its_own_configuration(definition, tmp_path):
         ('"tests": ["Reg', '"tests": ["Rag', "no test RagressionsTest_w16_m0"),
         ('"tests": [{', '"tests": {{', "not a definition"),
         ('"MixedTest_w16_m0"', '"MixedTest_w8_m8"', "two tests have the same name"),
-        ('"smoke", "tests": [', '"smoke", "tests": [], "x": [', "regression smoke: it has no tests"),
+        ('1, "tests": [', '1, "tests": [], "x": [', "regression smoke: it has no tests"),
     ],
 )
 def test_a_broken_file_is_refused(definition, tmp_path, right, wrong, message):
