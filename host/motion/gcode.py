@@ -66,6 +66,12 @@ _CONTINUE_KEPT = "of a do, which a control may keep for the next loop: write it 
 BOTH_PLACES = "is called before it is defined, and {} has one of its name, which a control takes: keep one"
 _OTHER_PLACE = "stands in {}, which is no program, and in {}, which a control takes: keep one"
 _OTHER_FLOW = ("call", "return", "break", "continue", "endsub", "endif", "endwhile", "endrepeat")
+# How many values stand after an O word: at least, at most; and how that is said. After others none does.
+_VALUES = {
+    **dict.fromkeys(("if", "elseif", "while", "repeat"), (1, 1, "one value in brackets: give it")),
+    **dict.fromkeys(("return", "endsub"), (0, 1, "one value at most: remove the others")),
+    "call": (0, ARGUMENTS, f"{ARGUMENTS} values at most: remove the others"),
+}
 
 
 @dataclass(frozen=True)
@@ -273,7 +279,7 @@ def _flow(place: Place, text: str, at: int) -> Flow | None:
         name: Callable[[Memory], str]
         if match := _FLOW_NAME.match(text, at):
             scanner.at = match.end()
-            fixed = written = "".join((match[1] or str(int(match[2] or 0))).split()).lower()
+            fixed = written = "".join((str(int(match[2])) if match[2] else match[1]).split()).lower()
             name = lambda _: fixed  # noqa: E731
         else:
             value = scanner.value()
@@ -293,9 +299,9 @@ def _flow(place: Place, text: str, at: int) -> Flow | None:
             values.append(scanner.bracket())
         if scanner.blanks():
             raise ValueError("more on its line than values in brackets: move it to the next")
-        one = does in ("if", "elseif", "while", "repeat")
-        if (one and len(values) != 1) or len(values) > ARGUMENTS:
-            raise ValueError(f"{does} takes one value in brackets: give it")
+        least, most, wanted = _VALUES.get(does, (0, 0, "no value: remove it"))
+        if not least <= len(values) <= most:
+            raise ValueError(f"{does} takes {wanted}")
     except ValueError as error:
         raise place.error(text.split()[0], str(error)) from error
     return Flow(place, name, does, tuple(values), written, tuple(scanner.parameters))
@@ -388,11 +394,11 @@ class Execution:
         return found, None
 
     def _close(self, lines: Iterator[_Statement], flow: Flow) -> None:
-        flow.body, flow.end = self._nested(lines, flow)
-        end = flow.end
-        if end is None or end.does not in _ENDS[flow.does]:
-            place = end.place if end else flow.place
-            raise place.error(f"O {end.does if end else ''}", f"{_ENDS[flow.does][-1]} expected: add it")
+        flow.body, end = self._nested(lines, flow)
+        assert end is not None
+        flow.end = end
+        if end.does not in _ENDS[flow.does]:
+            raise end.place.error(f"O {end.does}", f"{_ENDS[flow.does][-1]} expected: add it")
         if _named(end) != _named(flow):
             raise end.place.error(
                 f"O {end.does}", f"ends what has another name, in line {flow.place.line}: correct it"
