@@ -152,10 +152,9 @@ class Interpreter:
             return named.get(key, Fraction(flags[key]) if key in flags else None)
         if 5420 <= key < 5423:
             return Approximate(here[key - 5420] / scale)
-        if 5423 <= key < 5426:
+        # Of an axis that no machine file has, nobody knows where it stands.
+        if 5423 <= key < 5426 and ROTARY[key - 5423] in self.machine.rotary:
             return Approximate(self.turned[key - 5423])
-        if 5426 <= key < 5429 or 5214 <= key < 5220:
-            return Fraction(0)
         # The shift of G92 and what the tool table holds have the machine's unit, not the program's.
         known = {
             5220: Fraction(SYSTEMS.index(self.modal.system) + 1),
@@ -774,10 +773,9 @@ class Interpreter:
         if self.moves and basis != self.basis:
             why = "moves of tools, or with offsets, whose lengths are not known: give all in a machine file"
             raise place.error("move", why)
-        if basis is not None and self.offset is not None and self._length(self.offset) is not None:
-            raise place.error(
-                "move", f"with the length of tool {self.offset}, of another one of unknown length"
-            )
+        if basis is not None and self.offset is not None and self.loaded not in (None, self.offset):
+            why = "with the length of another tool than the one in the spindle: give all in a machine file"
+            raise place.error("move", why)
         self.basis = basis
         start, end = self.position, target
         if down:
