@@ -83,6 +83,8 @@ def clearances(
     ``effort`` counts the runs; ``least_alone``: places at which others are nearer need no bounds, and have
     none; ``progress`` is told of places done, those of each rule.
     """
+    # Not those of a board: the largest margin is to reach across the grid.
+    wanted = replace(wanted, margin_bits=None)
     least, nearest_yet = dict[Place, _Bounds](), None
     for rule in rules:
         moves = dict(zip(rule.numbers, rule.program.moves, strict=True))
