@@ -100,7 +100,9 @@ def _answer(words: list[str], of_this_process: bool) -> int:
     # No failure of our own may look like an answer: `check` says "near" with exit code 1.
     except Exception as error:
         if os.environ.get("TRIAXIS_DEBUG"):
-            raise
+            from traceback import format_exc
+
+            _say(format_exc())
         message = f"internal: {type(error).__name__}: {error} (TRIAXIS_DEBUG=1 shows where)"
         if isinstance(error, ModuleNotFoundError) and not f"{error.name}".startswith("triaxis"):
             message = f"{error.name} is not installed: pip install 'triaxis[signoff]'"
