@@ -62,7 +62,7 @@ class Curve:
 
     def moved(self, by: Vector) -> "Curve":
         """Return the curve elsewhere."""
-        return replace(self, start=added(self.start, by), end=added(self.end, by))
+        raise NotImplementedError
 
     def extent(self) -> tuple[Vector, Vector]:
         """Return the lower and the upper corner of a box that holds all of it."""

@@ -61,11 +61,6 @@ class Machine:
     axes: tuple[Axis, ...] = ()
     assumed: Mapping[str, str] = field(default_factory=dict)
 
-    @property
-    def placed(self) -> bool:
-        """Return whether it says what carries tool and workpiece."""
-        return bool(self.spindle or self.table)
-
     @cached_property
     def rotary(self) -> frozenset[str]:
         """Return the letters of its axes that turn."""

@@ -90,7 +90,8 @@ def unset(path: Path, errors: str) -> InputError | None:
     name = f"#{found[2] or found[1]}"
     if found[3]:
         return Place(path, int(found[3])).error(name, NO_VALUE)
-    return InputError(f"{path}: {name} {NO_VALUE}")
+    # What another file holds has no numbers.
+    return InputError(f"{path}: in a file that it calls: {name} {NO_VALUE}")
 
 
 def _files(path: Path) -> dict[Path, list[Line]]:
