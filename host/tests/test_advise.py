@@ -1,5 +1,6 @@
 """Advice on the width of a core: what it rests on is exact, and the smallest that will do is advised."""
 
+import re
 from dataclasses import replace
 from fractions import Fraction
 
@@ -226,6 +227,17 @@ def test_the_command_advises(advise_files, tmp_path):
     assert code == 1
     assert "NO WIDTH FITS" in said
     assert "change: accept false alarms up to" in said
+
+
+def test_the_next_width_is_synthesised_where_one_does_not_fit(advise_files, monkeypatch):
+    left = [Resources(1, 63_401, 1), Resources(1, 63_400, 1)]
+    monkeypatch.setattr("triaxis.host.cli.scene.known_resources", lambda _: None)
+    monkeypatch.setattr("triaxis.host.cli.scene.synthesised_resources", lambda _: left.pop(0))
+    words = ("--clearance", 0.5, "--positions", 1, "--dsps", 999, "--steps", "binary", "--synthesise")
+    code, said, told = advise_files(*words)
+    first, then = map(int, re.findall(r"W = (\d+): minutes", told))
+    assert (code, left, then) == (0, [], first + 1) and f"ADVICE: W = {then}, " in said
+    assert re.search(r"resolution 2\^-(\d+) = 0\.\d+ mm", said)
 
 
 @pytest.mark.long

@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from triaxis.golden.errors import InputError
 from triaxis.host import scenes
 from triaxis.host.cli import check as check_module
 from triaxis.host.cli import engine as engine_module
@@ -370,6 +371,14 @@ def test_the_end_of_a_hold_is_told_before_an_answer_is_waited_for():
     with pytest.raises(KeyboardInterrupt):
         engine_module.hold(board, status, lambda: told.append("unknown"))
     assert told == ["stop", "unknown"]
+
+    def full():
+        raise InputError("r.json: no space left on device")
+
+    # Where the output says stop by itself, both are told.
+    stopped: Any = SimpleNamespace(still=lambda _: SimpleNamespace(flags=0))
+    with pytest.raises(LinkError, match=r"says stop: .* check again; r.json: no space left"):
+        engine_module.hold(stopped, status, full)
 
 
 def test_a_board_whose_check_is_silent_is_refused_before_anything_is_loaded(

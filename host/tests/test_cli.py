@@ -9,11 +9,13 @@ import subprocess
 import sys
 import time
 import tomllib
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
+from rich.console import Console
 
 from triaxis.coverage.counts import read_counts
 from triaxis.coverage.testplan import read_testplan
@@ -22,6 +24,7 @@ from triaxis.golden.pairs import VERDICT, read_pairs
 from triaxis.host import cli, scenes
 from triaxis.host.cli import commands, main
 from triaxis.host.cli.commands import COMMANDS, GROUPS, remove_older_answers, withdraw_yes
+from triaxis.host.cli.terminal import progress_bar
 from triaxis.host.motion.gcode import read_lines
 from triaxis.host.stl import read_stl
 from triaxis.sim.paths import ROOT
@@ -117,6 +120,8 @@ BAD_OPTIONS = {
         ("--clearance -0.5", "must not be negative"),
         ("--resolution 0.0001 --width 16", "does not fit 16 bits at resolution 0.0001"),
         ("--resolution nan", "not a finite decimal number"),
+        ("--resolution 1mm", "--resolution: 1mm: not a finite decimal number"),
+        ("--clearance 1e99", "--clearance: 1e99: beyond 60 digits"),
         ("--width 5", "8..32"),
         ("--clearance 99 --width 16", "width 16 allows 65535"),
         ("--rotate w 90", "--rotate w: must be x, y or z"),
@@ -132,10 +137,26 @@ BAD_OPTIONS = {
         ("--clearance 1 --depth 100", "depth 100: must be a power of two"),
         ("--clearance 1 --lanes 3", "lanes 3: must be a power of two"),
         ("--clearance 1 --margin-bits 40", "margin bits 40: must be 0..32"),
+        ("--clearance 1 --lanes 0", "lanes 0: must be a power of two"),
+        ("--clearance 1 --depth 65536", "depth 65536: the board holds at most 32768 triangles"),
         ("--clearance 1 --dsps 0", "--dsps: 0: must be at least 1"),
+        ("--clearance 1 --dsps many", "--dsps: many: not an integer"),
+        ("--clearance 1 --travel z 0 up", "--travel z up: not a finite decimal number"),
         ("--clearance 1 --travel w 0 1", "--travel w: must be x, y or z"),
         ("--clearance 1 --volume 0 0 0 0 1 1", "volume: X0 Y0 Z0 must be below"),
         ("--clearance 1 --volume 0 0 0 1 1 1", "a.stl: reaches from"),
+    ],
+    "path": [("p.nc --start 0 0 1e10", "--start: at most 1e+09 in each coordinate")],
+    "watch": [
+        (f"p.nc --port x --speed 9 {words}", why)
+        for words, why in (
+            ("--age -1", "--age: must not be negative"),
+            ("--age 20", "--age 20: must be less than --lag 20, which holds it"),
+            ("--hold 0", "hold 0: must be 1.."),
+            # Of the tests nothing comes that way.
+            ("", "positions: standard input is closed: give them there, or by --positions"),
+            ("--positions /etc/passwd", "an ordinary file does not say when the tool was there"),
+        )
     ],
 }
 
@@ -223,9 +244,10 @@ def test_what_cannot_be_told_is_no_answer(meshes, tmp_path):
             ran = subprocess.run([TRIAXIS, *map(str, words)], **{**QUIET, **files}, check=False)
             assert (ran.returncode, json.loads(report.read_text())["verdict"]) == (code, said)
     # Nobody is told, and nothing goes wrong for it.
-    closed = f"exec {shlex.join(map(str, (TRIAXIS, *clear)))} >&- 2>&-"
-    assert subprocess.run(["sh", "-c", closed], check=False).returncode == 0
-    assert json.loads(report.read_text())["verdict"] == "clear"
+    for words, code, said in (((*clear, "--width", 40), 2, "unknown"), (clear, 0, "clear")):
+        closed = f"exec {shlex.join(map(str, (TRIAXIS, *words)))} >&- 2>&-"
+        assert subprocess.run(["sh", "-c", closed], check=False).returncode == code
+        assert json.loads(report.read_text())["verdict"] == said
 
 
 @pytest.mark.parametrize(
@@ -293,8 +315,50 @@ def test_an_interrupt_that_a_command_took_for_something_else_is_one(monkeypatch)
     monkeypatch.setattr(commands, "runner", lambda name, words: lambda: 0)
     assert main(["check", "a.stl", "b.stl"]) == 0
     monkeypatch.setattr(cli, "_interrupted", True)
-    with pytest.raises(KeyboardInterrupt):
-        main(["check", "a.stl", "b.stl"])
+    for fails in (lambda: 0, lambda: 1 / 0):
+        monkeypatch.setattr(commands, "runner", lambda *_, fails=fails: fails)
+        with pytest.raises(KeyboardInterrupt):
+            main(["check", "a.stl", "b.stl"])
+
+
+def test_no_failure_within_looks_like_an_answer(tmp_path, refused, monkeypatch, capsys):
+    report = tmp_path / "report.json"
+    words = ["check", "a.stl", "b.stl", "--json", str(report)]
+
+    def fails(error):
+        report.write_text('{"verdict": "clear"}')
+        raise error
+
+    for error, told in (
+        (MemoryError(), "out of memory: use a smaller input"),
+        (ModuleNotFoundError(name="cocotb"), "cocotb is not installed: pip install 'triaxis[signoff]'"),
+        (ModuleNotFoundError("gone", name="triaxis.gone"), "internal: ModuleNotFoundError: gone"),
+        (ValueError("two\nlines"), "internal: ValueError: two lines (TRIAXIS_DEBUG=1 shows where)"),
+    ):
+        monkeypatch.setattr(commands, "runner", lambda *_, error=error: lambda: fails(error))
+        assert told in refused(*words) and json.loads(report.read_text()) == UNKNOWN
+    monkeypatch.setenv("TRIAXIS_DEBUG", "1")
+    assert main(words) == 2 and "Traceback" in capsys.readouterr().err
+    assert json.loads(report.read_text()) == UNKNOWN
+
+
+def test_examples_are_written(tmp_path, capsys):
+    assert main(["scene", "examples", str(tmp_path)]) == 0
+    told = {name for line in capsys.readouterr().out.splitlines() for name in line.split(": ")[0].split()}
+    files = {file for file in tmp_path.rglob("*") if file.is_file()} - set(tmp_path.glob("mill/*.stl"))
+    assert told == set(map(str, files))
+
+
+@pytest.mark.parametrize("terminal", [False, True])
+def test_progress_is_seen_on_a_terminal_and_told_in_a_log(terminal, capsys, monkeypatch):
+    monkeypatch.setattr("triaxis.host.cli.terminal.Console", partial(Console, force_terminal=terminal))
+    for seldom in (60, 0):
+        monkeypatch.setattr("triaxis.host.cli.terminal._SELDOM", seldom)
+        with progress_bar("moves", 4000) as progress:
+            progress(1234)
+        told = capsys.readouterr().err
+        assert ("moves: 1,234 of 4,000\n" in told) == (not terminal and not seldom)
+        assert ("1234/4000" in told) == terminal
 
 
 @pytest.mark.parametrize("name", ["-", "-1", "-1e3", "-5.", "-old report.json", "--json"])

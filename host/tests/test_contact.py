@@ -239,6 +239,11 @@ def test_of_an_open_stock_nothing_is_known_inside(checked, tmp_path):
     assert near and {piece.line for piece in near} == {5}
     assert found.status == 2 and "not closed" in found.said and "--surfaces-only" not in found.said
     assert "may be inside" in found.said and "at the start of line 4: verdict unknown" in found.said
+    # What is open is told, though nothing of it was checked last.
+    scenes.write_stl(tmp_path / "work.stl", TABLE[1:])
+    scenes.write_stl(tmp_path / "stock.stl", STOCK)
+    found = checked("G0 Z2\nG1 Z-5\nG0 Z9")
+    assert found.status == 0 and found.said.count("note: the workpiece is not closed: 3 edges") == 1
 
 
 def test_moves_of_a_profile_are_those_of_the_program(checked):
@@ -423,3 +428,4 @@ def test_rapids_that_need_no_look(tmp_path):
     assert rules[2].program.starts == [0, 1]
     part = rules[2].until(11)
     assert part is not None and len(part.program.moves) == 2 and rules[2].until(6) is None
+    assert rules[2].among(8, 3) is None

@@ -414,6 +414,10 @@ def test_margins_are_those_that_the_board_has(program):
             continue
         most[bits] = max(max(piece.margin, *piece.zones, 0) for piece in found)
     assert 1 << 11 > most[16] > most[10] and most[11] == most[16] and most[10] < 1 << 10
+    # Pieces that are longer than the margin was tried for.
+    narrow = replace(scene, wanted=replace(scene.wanted, margin_bits=10))
+    with pytest.raises(InputError, match=r"line \d: a piece of .* at most 1023; use a smaller --length"):
+        pieces(narrow, scene_engine(BULK, scene.a, scene.b, scene.grid.width), Fraction(40))
 
 
 @pytest.mark.long

@@ -15,10 +15,12 @@ from hypothesis import strategies as st
 
 from triaxis.golden.errors import InputError
 from triaxis.golden.exact import Rational
+from triaxis.host.engines import unwatched
 from triaxis.host.motion import gcode, rs274
 from triaxis.host.motion.curves import SLACK
 from triaxis.host.motion.machine import Machine
 from triaxis.host.motion.machine_file import read_machine
+from triaxis.host.motion.moves import LATE_CHANGE
 from triaxis.host.motion.program import read_program
 from triaxis.host.motion.rs274 import completes, read_by_rs274
 from triaxis.host.motion.words import GROUPS, TAKERS, WHY_REFUSED
@@ -56,6 +58,7 @@ ACCEPTED = [
     ("G0 X1\r\nX2\r\r\nX3\n", [(1, 0, 0), (2, 0, 0), (3, 0, 0)]),
     ("G0 X1\nG80 G1 F5\nX2", [(1, 0, 0), (2, 0, 0)]),
     ("\ufeffG0\tX 1", [(1, 0, 0)]),
+    ("G0 X1\nM2\nO1 sub\nG0 X2\nO1 endsub", [(1, 0, 0)]),
 ]
 
 
@@ -446,6 +449,8 @@ def test_arcs_by_radius(read):
     for text, middle in (
         ("F1 G2 X2 R1", (1, 1)), ("F1 G3 X2 R1", (1, -1)),
         ("F1 G2 X2 R-2", (1, 2 + 3**0.5)), ("F1 G2 X2 R2", (1, 2 - 3**0.5)),
+        # Too short by no more than a control takes for nothing.
+        ("F1 G2 X2 R.999", (1, 1)),
     ):  # fmt: skip
         (move,) = read(text).moves
         assert np.allclose([float(c) for c in move.at(Fraction(1, 2))][:2], middle, atol=1e-6), text
@@ -563,6 +568,7 @@ def test_nurbs_of_a_circle_and_what_is_added(read):
             x, y, _ = (float(c) for c in move.at(Fraction(j, 4)))
             assert abs(math.hypot(x, y) - 10) < 1e-6
         assert move.slack < Fraction(1, 100)
+    assert sum(move.length for move in quarter) == pytest.approx(5 * math.pi, abs=1e-3)
     (note,) = (note for note in program.notes if "follow splines" in note)
     assert note.startswith("line 2: 0.00")
 
@@ -621,12 +627,22 @@ def test_a_machine_file_says_what_a_program_does_not(read, tmp_path):
         ("[[tools]]\nnumber = 1\nlength = -1", "must be not negative"),
         ("path_tolerance = 9999999", "at most"),
         ("[offsets]\nG59.3 = [1, 2, 3]", "keys in quotes where these have a point"),
+        ("path_tolerance = -0.1", "must be not negative"), ("tools = [3]", "tool 1: a table is needed"),
+        (MACHINE.replace("number = 2", "number = 1"), "tool number 1 stands twice: keep one"),
+        (MACHINE.replace("loaded = 2", "loaded = 3"), r"'loaded': must be the number of a tool \(1, 2\)"),
+        ("[[tools]]\nnumber = -1", "'number': must be given, and 1 or more"),
+        ('[[tools]]\nnumber = 1\nmesh = "a\\u0000.stl"', "'mesh': must be the name of a file"),
     ):  # fmt: skip
         file.write_text(text)
         with pytest.raises(InputError, match=why):
             read_machine(file)
     with pytest.raises(InputError, match="no tool 7"):
         read("T7 M6\nG0 X1", machine=machine)
+    with pytest.raises(InputError, match="'G30': goes where only the machine knows: give homes"):
+        read("G30 X0", machine=machine)
+    unknown = replace(machine, tools={2: replace(machine.tools[2], length=None)})
+    with pytest.raises(InputError, match="'G53': with a tool of unknown length"):
+        read("G43 H2\nG53 G0 Z5", machine=unknown)
     with pytest.raises(InputError, match="no tool is in the spindle"):
         read("T0 M6\nG0 X1", machine=machine)
     assert [move.tool for move in read("T0 M6\nT1 M6\nG0 X1", machine=machine).moves] == [1]
@@ -990,6 +1006,10 @@ NOT_KNOWN_THERE = [
     ("G0 Z9\nG1 F9 X5\rY5", "", "line 3: word 'G1 F9 X5': the line has a carriage return"),
     ("o<own> call [1]\nM2\no<own> sub\nG0 X2\no<own> endsub", "", "word 'O<own>': is called before it is"),
     ("o<a> sub\nM98 P9\no<a> endsub\no<a> call [1]\nM2\nO9\nG0 X#1\nM99", "", "use #31 or more"),
+    ("G0 X1\nT0 M6\nG0 X2", "", "changes the tool, and so its shape"), ("G90", "", "no moves"),
+    ("G43.1 A5\nG0 X1", MACHINE, "of more than X, Y and Z"), ("G0 X" + "[" * 240, "", "nested too deeply"),
+    ("O1 do\nG0 X1\nO1 while [0]\nM2\nG0 X9", "", "line 6: word 'g0x9': stands after the end"),
+    ("o<unset> call", "", "p.ngc: in a file that it calls: #40 has a value"),
 ]  # fmt: skip
 
 
@@ -1002,15 +1022,33 @@ def test_linuxcnc_is_not_asked_what_it_is_not_told(tmp_path, text, machine, why)
     (tmp_path / "own.ngc").write_text("o<own> sub\nG0 X#1\no<own> endsub\n")
     (tmp_path / "77.ngc").write_text("O77 sub\nG0 Y77\nO77 endsub\n")
     (tmp_path / "changing.ngc").write_text("o<changing> sub\nT1 M6 G43 H1\no<changing> endsub\n")
+    (tmp_path / "unset.ngc").write_text("o<unset> sub\nG0 X#40\no<unset> endsub\n")
     file.write_text(machine)
     with pytest.raises(InputError, match=re.escape(why)):
         read_by_rs274(program, ORIGIN, False, read_machine(file) if machine else Machine())
 
 
+def test_what_linuxcnc_does_not_say_is_not_passed_over(tmp_path):
+    file, of_no_length = tmp_path / "machine.toml", "1 N0 USE_TOOL_LENGTH_OFFSET(0, 0, 5, 0, 0, 0)"
+    file.write_text(MACHINE)
+    for machine, calls, why in (
+        (Machine(), ["\n", "1 N3 WAVE(1)\n"], "line 3: word 'WAVE': WAVE is not understood"),
+        (Machine(), ["Broken\n"], "rs274 says 'Broken', which is not understood"),
+        (read_machine(file), ["1 N3 CHANGE_TOOL_NUMBER(9)"], "line 3: .* the machine file does not have"),
+        (Machine(), [of_no_length, *["1 N1 STRAIGHT_FEED(1, 0, 0, 0, 0, 0)"] * 2], "line 1: .* is not known"),
+    ):
+        with pytest.raises(InputError, match=rf"^p.ngc: {why}"):
+            rs274._take(rs274._Told(Path("p.ngc"), machine), calls, unwatched)
+
+
 @pytest.mark.skipif(shutil.which("rs274") is None, reason="rs274 (linuxcnc-uspace) is not installed")
 def test_numbers_of_parameters_mean_the_same_by_names(tmp_path):
     """Of the program, of a subroutine, of one in a file of its own; on a line that sets them, too."""
-    (tmp_path / "own.ngc").write_text("o<own> sub\n#40=[#40+1] (#77)\nG0 X#1 Y#2 Z#40\no<own> endsub\n")
+    (tmp_path / "own.ngc").write_text(
+        "o<own> sub\n#40=[#40+1] (#77)\nG0 X#1 Y#2 Z#40\no<own> endsub\nO9 if [0]\no<twin> call\nO9 endif\n"
+    )
+    # Two files that call each other.
+    (tmp_path / "twin.ngc").write_text("o<twin> sub\no<own> call\no<twin> endsub\n")
     program = tmp_path / "p.ngc"
     program.write_text(
         "G21 G90 G0 X0\n#1=5 #31=7 #<_p1>=9\n#31=8 X#31\nX[#31*2] (#77)\n# 4 0=3\no<own> call [#1]\n"
@@ -1126,7 +1164,8 @@ def test_arcs_of_turned_systems(tmp_path):
     zero = np.array([3.0, 4.0, 5.0]) - zero_of(file)
     for plain, turned in zip(*found, strict=True):
         assert plain.curve is not None and turned.curve is not None
-        assert turned.slack < Fraction(1, 1000)
+        assert turned.slack < Fraction(1, 1000) and turned.length == pytest.approx(plain.length)
+        assert len(turned.corners) == len(plain.corners)
         low, high = (np.array([float(c) for c in corner]) for corner in turned.extent)
         for part in (Fraction(k, 7) for k in range(8)):
             there, here = (np.array([float(c) for c in move.at(part)]) for move in (plain, turned))
@@ -1237,6 +1276,32 @@ NOT_PASSED_OVER = [
     ("G0 X#5410", "X#5410", "does not give it"),
     ("O1 sub\nG0 X#<_value>\nO1 endsub [5]\nO1 call", "X#<_value>", "does not give it"),
     ("O1 sub\nO1 endsub [5]\nO1 call\nO2 sub\nO2 endsub [7]\nG0 X#<_value>", "X#<_value>", "does not give"),
+    # O<> is not O0, and the control may have an axis C.
+    ("G0 X1\nM2\n(c)\nG0 X2 (a (b)", "(a (b)", "comment within a comment"),
+    ("F0 G0 X1", "F0", "a feed must be positive"), ("G10 L3 P1 X0\nG0 X1", "G10", "only G10 L2 and L20"),
+    ("G10 L2 P1 R30 X1\nG0 X1", "R30", "give --reader rs274"),
+    ("G10 L20 P2 X0\nG55 G0 X1", "G10", "where G55 has its zero"),
+    ("F9 G2 X9 R5 I4", "X9", "an arc by R and a centre"), ("F9 G2 X9 I4.5 K1", "X9", "K is not in the plane"),
+    ("F9 G90.1 G2 X9 I4.5", "X9", "takes a whole centre: give I and J"),
+    ("F9 G2 X0 I0", "X0", "an arc without a radius"),
+    ("F9 G18 G5 X1 Y1 I1 J1 P1 Q1", "X1", "is in the XY plane"),
+    ("F9 G5 X1 Z1 I1 J1 P1 Q1", "X1", "is in the XY plane"),
+    ("F9 G5.1 X1 Y1 I1", "X1", "without its first control point"),
+    ("F9 G5 X5 Y1 I1 J1 P1", "X5", "without its second control point"),
+    ("F9 G5.2 X5 Y1 P1 L3\nF5", "F5", "not a control point: give X and Y and P"),
+    ("F9 G0 X3\nG5.2 P.01 L3\nX4 Y0 P.01\nX-4 Y0 P20\nG5.3", "G5.2", "two arcs do not follow"),
+    ("#5220=2\nG0 X1", "#", "set none but #1 to #4999"),
+    ("##7=1\nG0 X1", "#", "#7 has a value that the program does not give it"),
+    ("O.5 G0 X1", "O.5", "stands alone on its line"),
+    ("O1 if [1]\nG0 X1\nO1 endwhile", "O endwhile", "endif expected"),
+    ("O0 sub\nG0 X3\nO0 endsub\nO<> call", "O", "a name of letters, digits"),
+    ("O1 if [1] [1]\nO1 endif", "O1", "if takes one value"),
+    ("O1 if [1]\nG0 X1\nO1 else [0]\nG0 X2\nO1 endif", "O1", "else takes no value"),
+    ("O1 sub\nO1 return [1] [2]\nO1 endsub", "O1", "return takes one value at most"),
+    ("O1 call" + " [1]" * 31, "O1", "call takes 30 values at most"),
+    ("T1 M6\nG43 H2 G0 X1", "G43", "the length of tool 2 is not known"),
+    ("G43 H2\nT1 M6\nG0 Z1", "move", "with the length of another tool"),
+    ("G0 X#5425", "X#5425", "does not give it"),
 ]  # fmt: skip
 
 
@@ -1283,6 +1348,10 @@ def test_a_file_of_its_own_changes_the_tool(tmp_path):
     assert [(move.line, move.end, move.tool) for move in ours.moves] == [
         (move.line, move.end, move.tool) for move in theirs.moves
     ]
+    program.write_text("G21 T1 M6\nG0 X5\nT2 M6\n")
+    late = read_by_rs274(program, None, False, read_machine(file))
+    start = "line 2: the first move starts at X0 Y0 Z0, which is assumed: give --start"
+    assert late.changes and {LATE_CHANGE, start} <= set(late.notes)
 
 
 def test_each_step_of_a_repeated_angle_turns_on(read):

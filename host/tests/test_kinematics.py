@@ -23,6 +23,7 @@ from triaxis.host.motion.kinematics import Axis, Body, Meeting
 from triaxis.host.motion.machine import CARRIED
 from triaxis.host.motion.machine_file import read_machine
 from triaxis.host.motion.moves import Move
+from triaxis.host.motion.operations import parts_of
 from triaxis.host.motion.path_scene import Wanted, prepare_path
 from triaxis.host.motion.program import read_program
 from triaxis.host.motion.rs274 import read_by_rs274
@@ -455,9 +456,9 @@ def test_both_readers_turn_alike(tmp_path):
     # What is not printed of an angle is no turn.
     program.write_text("G21 G90 G61 F100\nG1 X3 C[1/3]\nG92 C[1/7]\nG2 X30 I13.5\nG64 P.1\nG1 X31\nM2\n")
     assert not any(move.turning for move in read_by_rs274(program, NOWHERE, False, machine).moves[1:])
-    for line in ("G28", "G30 C5", "G28 X0 C5", "G92.1\nG[28] C5"):
+    for line in ("G28", "G30 C5", "G28 X0 C5", "G92.1\nG[28] C5", "G2 X2 I.5 C5"):
         program.write_text(f"G21 G90 G61 F100\nG0 X1\n{line}\nM2\n")
-        with pytest.raises(InputError, match="name X, Y or Z"):
+        with pytest.raises(InputError, match="arc on which axes turn" if "I" in line else "name X, Y or Z"):
             read_by_rs274(program, NOWHERE, False, replace(machine, homes={"G28": NOWHERE, "G30": NOWHERE}))
     assert [move.turns[1][2] for move in own.moves[:5]] == [
         Fraction(25, 2), Fraction(-35, 2), Fraction(-35, 2) + Fraction(1, 16), 0, 0,
@@ -542,7 +543,7 @@ def test_a_picture_shows_the_machine_where_two_objects_come_near(checked, tmp_pa
 
 
 def test_an_angle_that_stays_is_none(checked):
-    status, said, _ = checked(MILL, "G0 Z60\nX20\nC10\nG2 X22 I1 C10\nG98 G81 X23 Z55 R58 C10\nG80")
+    status, said, _ = checked(MILL, "G0 Z60\nX20\nC10\nG2 X22 I1 C#5425\nG98 G81 X23 Z55 R58 C10\nG80")
     assert status == 0, said
 
 
@@ -561,6 +562,19 @@ def test_nothing_comes_into_an_open_mesh_by_a_coarse_turn(checked, tmp_path):
     # Each that is open is named, and not only what was checked last.
     assert said.count("not closed: 4 edges") == 1, said
     assert {tuple(one["open_edges"]) for one in report["tools"]} == {(0, 4), (0, 0)}
+
+
+def test_a_turn_within_an_open_stock_is_undecided(checked, tmp_path):
+    """For `path`, and when `watch` cuts its pieces."""
+    files = tmp_path / "work.stl", tmp_path / "open.stl"
+    scenes.write_stl(files[1], scenes.box((-30, -30, 25), (30, 30, 80))[1:])
+    machine = MILL.replace('mesh = "tool.stl"', "parts = [{ diameter = 6, length = 8, cuts = true }]")
+    assert "open.stl: verdict unknown" in checked(machine, "G0 C5", "--stock", files[1])[1]
+    mill = read_machine(tmp_path / "m.toml")
+    program = read_program(tmp_path / "p.nc", vector(map(Fraction, (0, 0, 100))), False, mill)
+    setup = Setup(mill.tools[1], *((read_stl(file), file) for file in files), mill)
+    with pytest.raises(InputError, match=r"open.stl at the start of line 2: verdict unknown"):
+        list(parts_of(setup, program, Wanted(*map(Fraction, (1, "0.01", 1, 1)), None), ()))
 
 
 def test_axes_that_turn_may_be_off(checked):
@@ -608,6 +622,7 @@ def test_axes_that_turn_may_be_off(checked):
             "object 1, bed: 'mesh': must be the name of a file",
         ),
         ("number = 1", "number = 0", "'length': must be not negative, and 0 of an empty spindle"),
+        ('name = "head"\n', 'name = "head"\non = "table"\n', "nothing that turns carries linear axes"),
     ],
 )
 def test_machines_that_are_none(checked, before, after, why):

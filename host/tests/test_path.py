@@ -99,12 +99,13 @@ def test_every_point_of_a_segment_is_within_reach_of_its_sample(start, end, coun
     assert (first.start, first.end, second.end) == (segment.start, second.start, segment.end)
 
 
-@pytest.mark.parametrize("euclidean", [False, True])
-def test_no_near_position_is_ever_missed(rng, euclidean):
+@pytest.mark.parametrize(("euclidean", "many"), [(False, 2000), (True, 2000), (True, 0)])
+def test_no_near_position_is_ever_missed(rng, euclidean, many, monkeypatch):
     """Fine subdivisions of random paths against the exact distance, with a grid so coarse that it matters.
 
-    Of facets, of an edge and an edge, of a vertex and a facet.
+    Of facets, of an edge and an edge, of a vertex and a facet; and with few bits for the engine's margin.
     """
+    monkeypatch.setattr("triaxis.host.euclidean._MANY", many)
     found = {"clear": 0, "certain": 0, "band": 0, "places": 0}
     for trial in range(120):
         tool, work = (rng.uniform(-1, 1, (1, 3, 3)).astype(np.float32) for _ in "ab")
@@ -115,7 +116,8 @@ def test_no_near_position_is_ever_missed(rng, euclidean):
         # One path in five begins where the two are next to each other, and not in the band around.
         corners = rng.uniform(-4, 4, (3, 3)).round(3) * np.array([[trial % 5 > 0], [1], [1]])
         clearance, step = Fraction(int(rng.integers(0, 60)), 97), Fraction(int(rng.integers(1, 5)), 4)
-        wanted = replace(wanted_of(clearance, Fraction(1, 4), step), euclidean=euclidean)
+        wanted = wanted_of(clearance, Fraction(1, 4), step)
+        wanted = replace(wanted, euclidean=euclidean, margin_bits=4 if trial % 2 else None)
         scene = scene_of(tool, work, corners, wanted)
         result = checked(scene)
         before = places_before(scene, result.near)
@@ -350,6 +352,9 @@ def test_bounds_of_the_clearance_hold_the_clearance():
         places(scene.program, 12),
     )
     found = clearances(scene.program, [rule], wanted, engine_of, chosen, Effort())
+    # Whatever margins a board has.
+    narrow = replace(wanted, margin_bits=8)
+    assert clearances(scene.program, [rule], narrow, engine_of, chosen, Effort()) == found
     assert [place.along for place in found] == sorted(place.along for place in found)
     assert found[-1].proven == 0 and len(found) == len(chosen)
     for place in found:
@@ -525,6 +530,13 @@ def test_the_least_clearance_counts_what_a_control_may_leave_the_path_by(path):
     proven, seen = (min(place[key] for place in found["profile"]) for key in ("proven", "seen"))
     assert status == 0 and printed and proven < 1.1 < seen
     assert [float(one) for one in printed.groups()] == pytest.approx([proven, seen], rel=1e-3)
+
+
+def test_pictures_show_what_is_not_proven_clear_and_zones(path, tmp_path):
+    for program, shown in (("G21 G0 X0 Y0 Z0.4", "not proven clear"), ("G21 G0 X0 Y0 Z1", "slow: 2 mm")):
+        words = ("--slow", 2, "--profile", 9, "--picture", tmp_path / "p.svg")
+        path(program, "--start", 0, 0, 60, *words)
+        assert shown in (tmp_path / "p.svg").read_text()
 
 
 def test_a_start_that_nobody_gave_is_said(path):

@@ -13,6 +13,7 @@ from xml.etree import ElementTree
 import numpy as np
 import pytest
 
+from triaxis.golden.errors import InputError
 from triaxis.host import scenes
 from triaxis.host.cli import main
 from triaxis.host.cli import watch as watch_module
@@ -404,6 +405,9 @@ def test_a_position_is_as_old_as_is_said():
     source: Any = SimpleNamespace(report=lambda: (NOWHERE, 5.0), tool=None, angles=None)
     follower: Any = None
     assert watch_module._as_expected(source, one, follower, False, 0.75) == (NOWHERE, 4.25)
+    one.machine.rotary = frozenset("AC")
+    with pytest.raises(InputError, match=r"^A, C turn: positions must say where they are: X Y Z, the tool's"):
+        watch_module._as_expected(source, one, follower, False, 0.75)
 
 
 def test_the_tool_of_an_stl_file_may_have_any_number():
