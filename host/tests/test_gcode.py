@@ -278,6 +278,11 @@ COMPUTED = [
     ("O1 sub\nG0 X#1 Y#2\nO1 endsub [#1*2]\nO1 call [3] [4]\nG0 Z#<_value>", [(3, 4, 0), (3, 4, 6)]),
     ("O<t> sub\nO2 if [#1 GT 3]\nO<t> return\nO2 endif\nG0 X#1\nO<t> call [#1+1]\nO<t> endsub\nO<T> call [2]",
      [(2, 0, 0), (3, 0, 0)]),
+    # Out of a loop, or of two.
+    ("O1 sub\nO2 while [1]\nG0 X#1\nO1 return\nO2 endwhile\nO1 endsub\nO1 call [3]\nG0 Y1",
+     [(3, 0, 0), (3, 1, 0)]),
+    ("#1=0\nO1 while [1]\n#1=[#1+1]\nO2 while [1]\nG0 X#1\nO3 if [#1 EQ 2]\nO1 break\nO3 endif\nO1 continue\n"
+     "O2 endwhile\nO1 endwhile\nG0 Y1", [(1, 0, 0), (2, 0, 0), (2, 1, 0)]),
     # An argument is computed before the call begins.
     ("O1 sub\nG0 X[#1+1]\nO1 endsub [15]\nO1 call [0]\nO1 call [#<_value>]", [(1, 0, 0), (16, 0, 0)]),
     ("O1 if [0]\nG0 X1\nO1 elseif [1]\nG0 X2\nO1 else\nG0 X3\nO1 endif", [(2, 0, 0)]),

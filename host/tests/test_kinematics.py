@@ -572,9 +572,10 @@ def test_a_turn_within_an_open_stock_is_undecided(checked, tmp_path):
     assert "open.stl: verdict unknown" in checked(machine, "G0 C5", "--stock", files[1])[1]
     mill = read_machine(tmp_path / "m.toml")
     program = read_program(tmp_path / "p.nc", vector(map(Fraction, (0, 0, 100))), False, mill)
-    setup = Setup(mill.tools[1], *((read_stl(file), file) for file in files), mill)
+    work, stock = ((read_stl(file), file) for file in files)
+    wanted = Wanted(Fraction(1), Fraction(1, 100), Fraction(1), Fraction(1), None)
     with pytest.raises(InputError, match=r"open.stl at the start of line 2: verdict unknown"):
-        list(parts_of(setup, program, Wanted(*map(Fraction, (1, "0.01", 1, 1)), None), ()))
+        list(parts_of(Setup(mill.tools[1], work, stock, mill), program, wanted, ()))
 
 
 def test_axes_that_turn_may_be_off(checked):
