@@ -283,6 +283,9 @@ COMPUTED = [
      [(3, 0, 0), (3, 1, 0)]),
     ("#1=0\nO1 while [1]\n#1=[#1+1]\nO2 while [1]\nG0 X#1\nO3 if [#1 EQ 2]\nO1 break\nO3 endif\nO1 continue\n"
      "O2 endwhile\nO1 endwhile\nG0 Y1", [(1, 0, 0), (2, 0, 0), (2, 1, 0)]),
+    # By names that are computed.
+    ("#1=1 #2=0\nO1 while [#2 LT 3]\n#2=[#2+1]\nG0 X#2\nO3 if [#2 EQ 2]\nO[#1] break\nO3 endif\nO1 endwhile",
+     [(1, 0, 0), (2, 0, 0)]), ("#1=1\nO1 sub\nG0 X3\nO1 endsub\nO[#1] call", [(3, 0, 0)]),
     # An argument is computed before the call begins.
     ("O1 sub\nG0 X[#1+1]\nO1 endsub [15]\nO1 call [0]\nO1 call [#<_value>]", [(1, 0, 0), (16, 0, 0)]),
     ("O1 if [0]\nG0 X1\nO1 elseif [1]\nG0 X2\nO1 else\nG0 X3\nO1 endif", [(2, 0, 0)]),
