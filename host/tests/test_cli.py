@@ -343,7 +343,7 @@ def test_examples_are_written(tmp_path, capsys):
     assert main(["scene", "examples", str(tmp_path)]) == 0
     told = {name for line in capsys.readouterr().out.splitlines() for name in line.split(": ")[0].split()}
     files = {file for file in tmp_path.rglob("*") if file.is_file()} - set(tmp_path.glob("mill/*.stl"))
-    assert told == set(map(str, files))
+    assert told == set(map(str, files)) and str(tmp_path / "mill" / "machine.toml") in told
 
 
 def test_progress_is_told_in_a_log_and_seen_on_a_terminal(capsys, monkeypatch):

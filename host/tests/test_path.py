@@ -106,6 +106,11 @@ def test_no_near_position_is_ever_missed(rng, euclidean, many, monkeypatch):
     Of facets, of an edge and an edge, of a vertex and a facet; and with few bits for the engine's margin.
     """
     monkeypatch.setattr("triaxis.host.euclidean._MANY", many)
+    asked = list[int]()
+    for name in ("run", "first_near"):
+        real = getattr(BulkEngine, name)
+        noting = lambda of, at, margin, *more, real=real: asked.append(margin) or real(of, at, margin, *more)  # noqa: E731
+        monkeypatch.setattr(BulkEngine, name, noting)
     found = {"clear": 0, "certain": 0, "band": 0, "places": 0}
     for trial in range(120):
         tool, work = (rng.uniform(-1, 1, (1, 3, 3)).astype(np.float32) for _ in "ab")
@@ -122,6 +127,8 @@ def test_no_near_position_is_ever_missed(rng, euclidean, many, monkeypatch):
         result = checked(scene)
         before = places_before(scene, result.near)
         assert all(distance(scene, place) > clearance for place in before)
+        assert max(asked, default=0) <= scene.largest_margin
+        asked.clear()
         found["places"] += len(before)
         if result.near:
             real = distance(scene, result.near.position)
