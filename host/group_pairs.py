@@ -30,7 +30,7 @@ def most_pairs(groups: int, sizes: Sequence[tuple[int, int]]) -> int:
 
 
 def have_pairs(groups: int, pairs: int, sizes: Sequence[tuple[int, int]]) -> bool:
-    """Return whether some that many pairs of groups have exactly so many pairs; ``sizes``: likewise.
+    """Return whether so many pairs of groups can have exactly so many pairs; ``sizes``: likewise.
 
     Between the least and the most not all is possible, so that one pair left out mostly shows.
     """
