@@ -205,15 +205,18 @@ def trace_scene() -> MultiplierToggles:
     engine = MeshEngine(ENGINE, traced=True)
     a, b = (mesh[spatial_order(mesh, ENGINE.group)] for mesh in meshes)
     engine.load(a, b)
-    # Without the loading.
-    with followed(engine.library, SAIF):
-        found = engine.run(margin=stream.margin, mode=Mode.COUNT).near_count
-    write_whole(SAIF, in_place(SAIF.read_text()))
+    with TemporaryDirectory() as folder:
+        path = Path(folder) / SAIF.name
+        # Without the loading.
+        with followed(engine.library, path):
+            found = engine.run(margin=stream.margin, mode=Mode.COUNT).near_count
+        activity = in_place(path.read_text())
     right = int(bulk_facts(stream.pairs, stream.margin).near.sum())
     if found != right:
         raise InputError(
             f"activity: {SAIF_SCENE.name}: the mesh engine finds {found} near pairs, there are {right}"
         )
+    write_whole(SAIF, activity)
     return multiplier_toggles(read_saif(SAIF))
 
 

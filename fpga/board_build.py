@@ -1,11 +1,12 @@
 """The board: what its part offers, what a bitstream is built from."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
 from triaxis.golden.errors import InputError
 from triaxis.sim.board_parameters import TOP_TIMES, BoardParameters
+from triaxis.sim.paths import board_sources, core_sources, mesh_sources
 
 FPGA = Path(__file__).resolve().parent
 VIVADO = FPGA / "vivado"
@@ -16,9 +17,6 @@ PART = "xc7a100tcsg324-1"
 TOP = "nexys4ddr_top"
 # The mesh engine in the top.
 ENGINE_INSTANCE = "u_mesh"
-
-# The drop-in wrapper is no part of the board.
-_ELSEWHERE = "CollisionDetector.sv"
 
 # The build that is signed off for the board, and that the board's environment simulates by its name.
 SIGNED_OFF = BoardParameters(depth=4096, certify=True, **TOP_TIMES)
@@ -80,22 +78,12 @@ class Inputs:
 def bitstream_sources(dut: Path) -> list[Path]:
     """Return the files of the whole top in the order in which they compile.
 
-    Raises InputError where a list of files is missing or empty.
+    Raises InputError where a list of files cannot be read, or one of them is missing.
     """
-    return [
-        *_listed(dut / "core" / "triaxis.f"),
-        *_listed(dut / "mesh" / "triaxis_mesh.f"),
-        *_listed(dut / "board" / "triaxis_board.f"),
-    ]
-
-
-def _listed(listing: Path) -> list[Path]:
     try:
-        names: Iterable[str] = listing.read_text(encoding="utf-8").split()
+        found = [*core_sources(dut), *mesh_sources(dut), *board_sources(dut)]
     except OSError as error:
-        raise InputError(f"{listing}: cannot read the list of files: {error.strerror}") from error
-    found = [listing.parent / name for name in names if name != _ELSEWHERE]
-    missing = [path for path in found if not path.is_file()]
-    if missing or not found:
-        raise InputError(f"{listing}: {missing[0] if missing else 'no file'}: not there")
+        raise InputError(f"{error.filename}: cannot read the list of files: {error.strerror}") from error
+    if missing := [path for path in found if not path.is_file()]:
+        raise InputError(f"{missing[0]}: not there")
     return found

@@ -19,7 +19,7 @@ from xml.etree.ElementTree import Element, SubElement, indent, register_namespac
 from triaxis.fpga.board_build import PART, VIVADO
 from triaxis.golden.errors import InputError
 from triaxis.golden.outputs import make_folder, write_whole
-from triaxis.sim.paths import DUT, mesh_sources, rtl_sources
+from triaxis.sim.paths import DUT, core_sources, mesh_sources
 from triaxis.sim.slang import compiled
 
 VENDOR, LIBRARY = "triaxis", "geometry"
@@ -92,7 +92,7 @@ def component(top: str, parameters: Mapping[str, int], dut: Path = DUT) -> Compo
     """Elaborate a module; raise InputError where it is none of `TOPS`, or does not take these parameters."""
     if top not in TOPS:
         raise InputError(f"{top}: must be one of {', '.join(TOPS)}")
-    sources = [source for source in rtl_sources(dut) if source.name != "CollisionDetector.sv"]
+    sources = core_sources(dut)
     sources += mesh_sources(dut) if top == "triaxis_mesh" else []
     compilation = compiled(sources, dut / "core", top, parameters)
     (instance,) = compilation.getRoot().topInstances

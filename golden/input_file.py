@@ -19,6 +19,12 @@ _END_BYTES = 22
 
 Array = npt.NDArray[Any]
 
+# Readers of headers by version of the format. There is a third, for records with names beyond Latin-1.
+_HEADERS = {
+    (1, 0): numpy.lib.format.read_array_header_1_0,
+    (2, 0): numpy.lib.format.read_array_header_2_0,
+}
+
 
 @dataclass(frozen=True)
 class Place:
@@ -69,7 +75,9 @@ def read_archive(path: Path) -> dict[str, Array]:
     except Exception as error:
         raise InputError(f"{path}: not a NumPy .npz archive") from error
     if not alone:
-        raise InputError(f"{path}: holds more than one archive of arrays: write it again")
+        raise InputError(
+            f"{path}: holds more than one archive of arrays, or something beside it: write it again"
+        )
     return {name: _array(member, f"{path}: {name}") for name, member in members.items()}
 
 
@@ -77,11 +85,7 @@ def _array(data: bytes, name: str) -> Array:
     """Return the array that a ``.npy`` file holds, not to be written to."""
     stream = io.BytesIO(data)
     try:
-        # A version 3 exists, for records with names beyond Latin-1.
-        if numpy.lib.format.read_magic(stream) == (1, 0):
-            shape, by_columns, dtype = numpy.lib.format.read_array_header_1_0(stream)
-        else:
-            shape, by_columns, dtype = numpy.lib.format.read_array_header_2_0(stream)
+        shape, by_columns, dtype = _HEADERS[numpy.lib.format.read_magic(stream)](stream)
         start, wanted = stream.tell(), math.prod(shape) * dtype.itemsize
         if dtype.hasobject or not dtype.itemsize or min(shape, default=0) < 0:
             raise ValueError("no numbers")

@@ -18,6 +18,8 @@ from triaxis.golden.errors import InputError
 from triaxis.golden.outputs import write_whole
 from triaxis.sim.validity import Sources, provenance
 
+# What to do about a file that is none.
+_AGAIN = "remove it, and run what wrote it again"
 _REQUIRED = ("passed", "problems", "summary", "command", "seconds", "rtl_hash")
 
 
@@ -73,7 +75,7 @@ def read_evidence(path: Path) -> dict[str, Any] | None:
     except FileNotFoundError:
         return None
     except (OSError, ValueError, RecursionError) as error:
-        raise InputError(f"{path}: not readable as evidence: {error}") from error
+        raise InputError(f"{path}: not readable as evidence: {error}: {_AGAIN}") from error
     if not isinstance(content, dict) or any(key not in content for key in _REQUIRED):
-        raise InputError(f"{path}: not evidence: it needs {', '.join(_REQUIRED)}")
+        raise InputError(f"{path}: not evidence: it needs {', '.join(_REQUIRED)}: {_AGAIN}")
     return content

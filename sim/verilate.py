@@ -24,7 +24,7 @@ from triaxis.sim.toolchain import verilator
 # Verilator's prefix of all models: players know no other name.
 PREFIX = "Vtop"
 # Of the model's code: what runs for milliseconds costs more to compile than to run.
-QUICK, LIGHT, MANY, FAST = "-O0", "-Og", "-O1", "-O2"
+QUICK, MANY, FAST = "-O0", "-O1", "-O2"
 
 # What a traced build writes.
 SAIF, VCD = "saif", "vcd"

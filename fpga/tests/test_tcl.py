@@ -83,6 +83,7 @@ def test_a_build_that_is_in_time(tmp_path):
         # Of a path without a constraint.
         (Behaviour(setup=math.inf), "no constrained path"),
         (Behaviour(hold=math.inf), "no constrained path"),
+        (Behaviour(setup=math.nan), "no constrained path"),
         (Behaviour(unrouted=2), "2 nets are not routed"),
     ],
 )

@@ -40,9 +40,9 @@ proc figure {name value} {
 # The slack of the worst path. No path at all is an error of the constraints, not a pass.
 proc slack {kind} {
     set paths [get_timing_paths -delay_type $kind -max_paths 1 -nworst 1]
-    set slack [expr {[llength $paths] ? [get_property SLACK [lindex $paths 0]] : {}}]
-    # That of a path without a constraint is infinite, or empty.
-    if {![string is double -strict $slack] || $slack == Inf} {
+    set slack [if {[llength $paths]} {get_property SLACK [lindex $paths 0]}]
+    # That of a path without a constraint is infinite, or empty; "inf" and "nan" are numbers to Tcl.
+    if {![string is double -strict $slack] || [regexp -nocase {inf|nan} $slack]} {
         refuse "timing: no constrained path ($kind): the clock constraint is missing"
     }
     return $slack

@@ -46,7 +46,7 @@ from triaxis.host.cli.arguments import add_seed, named_folder
 from triaxis.host.cli.terminal import progress_bar, table
 from triaxis.sim.build import rtl_hash
 from triaxis.sim.evidence import read_evidence
-from triaxis.sim.paths import BUILD, DUT, rtl_sources
+from triaxis.sim.paths import BUILD, DUT, core_sources
 from triaxis.sim.programs import yosys_version
 from triaxis.verif.signoff.gate import SOURCES, refusals, remarks
 from triaxis.verif.signoff.plan import RESULT
@@ -69,7 +69,7 @@ def add_report(parser: argparse.ArgumentParser) -> None:
 
 def _report(_options: argparse.Namespace) -> int:
     tool, rtl = yosys_version(), rtl_hash()
-    core = [source for source in rtl_sources() if source.name != "CollisionDetector.sv"]
+    core = core_sources()
     sources: dict[str, list[Path]] = {
         build.top: bitstream_sources(DUT) if build.top == TOP else core for build in BUILDS
     }
@@ -147,9 +147,8 @@ def add_timing(parser: argparse.ArgumentParser) -> None:
 def _timing(options: argparse.Namespace) -> int:
     tool = f"{yosys_version().split('(')[0].strip()}, {nextpnr_version()}"
     parameters = {"W": _WIDTH, "M": 0}
-    sources = [source for source in rtl_sources() if source.name != "CollisionDetector.sv"]
     with progress_bar("timing", len(gowin_timing.STAGES)) as progress:
-        report = route(sources, parameters, _TIMING, progress, seed=options.seed)
+        report = route(core_sources(), parameters, _TIMING, progress, seed=options.seed)
     timing = read_timing(report)
     path = BUILD / "fpga" / "timing.json"
     write_timing(path, timing, parameters, rtl_hash(), tool)

@@ -12,7 +12,7 @@ from triaxis.fpga.resources import synthesise
 from triaxis.golden.errors import InputError
 from triaxis.golden.input_file import read_input
 from triaxis.sim.build import built
-from triaxis.sim.paths import BUILD, board_sources, mesh_sources, rtl_sources
+from triaxis.sim.paths import BUILD, board_sources, core_sources, mesh_sources
 from triaxis.sim.programs import yosys_version
 from triaxis.sim.verilate import MANY, Build, library
 from triaxis.verif.testbench.settings import RunSettings
@@ -105,8 +105,8 @@ def _control(build: Build) -> list[Path]:
 
 def synthesised(build: Build) -> Path:
     """Return the netlist of the design that a build is of, synthesised unless it is there."""
-    every = (*rtl_sources(build.dut), *mesh_sources(build.dut), *board_sources(build.dut))
-    sources = [one for one in every if one in build.sources and one.name != "CollisionDetector.sv"]
+    every = (*core_sources(build.dut), *mesh_sources(build.dut), *board_sources(build.dut))
+    sources = [one for one in every if one in build.sources]
     # What the player looks at.
     control = "".join(path.read_text(encoding="utf-8") for path in _control(build))
     kept = re.findall(r'-var "(\w+)"', control)

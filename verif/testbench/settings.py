@@ -139,8 +139,8 @@ class RunSettings:
     @property
     def replay_command(self) -> str:
         """Return the command that repeats exactly this run."""
-        usual = BURST if self.block is Block.BOARD else PIN
-        options = "" if self.agent == usual == PIN else f" --agent {self.agent}"
+        pins = self.agent == PIN and self.block is not Block.BOARD
+        options = "" if pins else f" --agent {self.agent}"
         options += "" if self.judged_one_in == 1 else f" --judged {self.judged_one_in}"
         options += " --soak" if self.soak else ""
         options += f" --simulator {self.simulator}" if self.four_state else ""

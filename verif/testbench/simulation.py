@@ -31,7 +31,7 @@ from triaxis.sim.models import (
 )
 from triaxis.sim.paths import BUILD, DUT
 from triaxis.sim.simulators import compiled_for
-from triaxis.sim.verilate import FAST, LIGHT, VCD, Build, library, verilate
+from triaxis.sim.verilate import VCD, Build, library, verilate
 from triaxis.verif.testbench.settings import (
     PIN,
     PROGRAM_VARIABLE,
@@ -43,7 +43,6 @@ from triaxis.verif.testbench.settings import (
     limit_file,
     result_file,
 )
-from triaxis.verif.testbench.table import configurations
 from triaxis.verif.testbench.trials import Trials
 from triaxis.verif.testbench.waves import DUMP, finished
 
@@ -232,11 +231,7 @@ def model_of(settings: RunSettings, dut: Path = DUT) -> Build | None:
     if settings.agent == PIN:
         return None
     build = _builds(settings)[0](dut)
-    if settings.soak:
-        return build
-    # Where no volume is planned, a model that is compiled in half the time is there sooner.
-    light = build.speed == FAST and settings.config not in configurations()
-    return replace(asserted(build), speed=LIGHT if light else build.speed)
+    return build if settings.soak else asserted(build)
 
 
 def program_of(settings: RunSettings, dut: Path = DUT) -> Build:

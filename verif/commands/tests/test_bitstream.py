@@ -1,6 +1,7 @@
 """`triaxis fpga bitstream`: the gate first; a bitstream and its manifest only where all is well."""
 
 import json
+import shutil
 from argparse import ArgumentParser
 
 import pytest
@@ -171,7 +172,10 @@ def test_sources_of_the_board(tmp_path):
     names = [path.name for path in bitstream_sources(DUT)]
     assert (names[0], names[-1]) == ("triaxis_pkg.sv", "nexys4ddr_top.sv")
     assert "CollisionDetector.sv" not in names
-    (tmp_path / "core").mkdir()
-    (tmp_path / "core" / "triaxis.f").write_text("none.sv\n")
-    with pytest.raises(InputError, match=r"none\.sv: not there"):
-        bitstream_sources(tmp_path)
+    copy = shutil.copytree(DUT, tmp_path / "dut")
+    (copy / "mesh" / "triaxis_walk.sv").unlink()
+    with pytest.raises(InputError, match=r"triaxis_walk\.sv: not there"):
+        bitstream_sources(copy)
+    (copy / "board" / "triaxis_board.f").unlink()
+    with pytest.raises(InputError, match=r"triaxis_board\.f: cannot read the list of files: No such"):
+        bitstream_sources(copy)

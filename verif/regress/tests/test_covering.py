@@ -20,7 +20,7 @@ from triaxis.sim.configuration import (
 )
 from triaxis.sim.mesh_configuration import MeshConfiguration, parse_mesh_configuration
 from triaxis.sim.paths import DUT, ROOT
-from triaxis.sim.verilate import LIGHT, library
+from triaxis.sim.verilate import library
 from triaxis.verif.core.tests.broken_rtl import broken_rtl
 from triaxis.verif.faults.runs import design_sign_of
 from triaxis.verif.regress.covering import (
@@ -305,7 +305,7 @@ def test_what_is_wrong_at_one_value_alone_is_caught_by_a_run_of_the_nightly(tmp_
         settings = planned.settings(tmp_path)
         build = model_of(settings, dut)
         assert build is not None
-        return run(settings, model=library(replace(build, speed=LIGHT)))
+        return run(settings, model=library(build))
 
     broken = [broken_rtl(tmp_path / str(number), *bug.changes) for number, bug in enumerate(PLANTED)]
     for bug, dut in zip(PLANTED, broken, strict=True):
