@@ -12,8 +12,6 @@ from triaxis.golden.pairs import Pairs
 from triaxis.sim.configuration import Configuration
 
 COORDINATES = 18
-# Verilator keeps a wide signal in words of so many bytes.
-_WORD = 4
 
 # The parity bits that a pair can try, by number: of its 18 coordinates, of the rest of it, of its result.
 PARITIES = (*range(COORDINATES + 1), 31)
@@ -47,37 +45,12 @@ def data_bytes(width: int) -> int:
     return (COORDINATES * width + 7) // 8
 
 
-def data_words(pairs: npt.NDArray[np.signedinteger], width: int) -> npt.NDArray[np.uint8]:
-    """Return TDATA for pairs (N, 2, 3, 3), as bytes (N, S) of whole words as Verilator keeps it."""
-    flat = np.ascontiguousarray(pairs, np.int32).reshape(-1, COORDINATES)
-    used = COORDINATES * width
-    size = -(-data_bytes(width) // _WORD) * _WORD
-    words = np.zeros((len(flat), size), np.uint8)
-    if width in (8, 16, 32):
-        words[:, : used // 8] = flat.astype(f"<i{width // 8}").view(np.uint8).reshape(len(flat), used // 8)
-    elif width % 8 == 0:
-        whole = flat.view(np.uint8).reshape(len(flat), COORDINATES, _WORD)
-        words[:, : used // 8] = whole[:, :, : width // 8].reshape(len(flat), used // 8)
-    else:
-        words = _bits(flat, width, size)
-    return words
-
-
-def _bits(flat: npt.NDArray[np.int32], width: int, size: int) -> npt.NDArray[np.uint8]:
-    """Return coordinates (N, 18) side by side, as bytes (N, size)."""
-    words = np.zeros((size // _WORD + 1, len(flat)), np.uint32)
-    masked = flat.T.astype(np.uint64) & np.uint64((1 << width) - 1)
-    for number, values in enumerate(masked):
-        at, shift = divmod(number * width, 8 * _WORD)
-        shifted = values << np.uint64(shift)
-        words[at] |= shifted.astype(np.uint32)
-        words[at + 1] |= (shifted >> np.uint64(8 * _WORD)).astype(np.uint32)
-    return np.ascontiguousarray(words[:-1].T).view(np.uint8)
-
-
 def pack_data(pairs: Pairs, width: int) -> list[int]:
     """Return TDATA for pairs (N, 2, 3, 3) as numbers."""
-    return [int.from_bytes(row.tobytes(), "little") for row in data_words(pairs, width)]
+    coordinates = pairs.astype("<i4").reshape(-1, COORDINATES, 1).view(np.uint8)
+    bits = np.unpackbits(coordinates, axis=2, bitorder="little")[:, :, :width]
+    rows = np.packbits(bits.reshape(len(bits), COORDINATES * width), axis=1, bitorder="little")
+    return [int.from_bytes(row.tobytes(), "little") for row in rows]
 
 
 def unpack_data(words: list[int], width: int) -> Pairs:
