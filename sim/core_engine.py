@@ -71,15 +71,15 @@ class CorePlayer(Player):
 
     def watch(self, watched: bool) -> None:
         """Monitor the input stream, or do not: it costs time."""
-        self.library.triaxis_watch(ctypes.c_void_p(self.model), int(watched))
+        self.library.triaxis_watch(self.model, int(watched))
 
     def set_pace(self, runs: npt.NDArray[np.uint16]) -> None:
         """Take results by a pattern of clocks on and off, alternating, repeated; empty: always."""
-        self.library.triaxis_pace(ctypes.c_void_p(self.model), _address(runs), ctypes.c_int64(len(runs)))
+        self.library.triaxis_pace(self.model, _address(runs), ctypes.c_int64(len(runs)))
 
     def set_reset(self, active: bool) -> None:
         """Assert reset, or release it, between two edges."""
-        self.library.triaxis_reset(ctypes.c_void_p(self.model), int(active))
+        self.library.triaxis_reset(self.model, int(active))
 
     def start(self, pairs: Array, margins: Array, tags: Array, runs: Array, budget: int) -> None:
         """Begin to offer pairs (N, 2, 3, 3) with margins (N,) and tags (N,).
@@ -94,7 +94,7 @@ class CorePlayer(Player):
         burst = _Burst(
             *(array.ctypes.data for array in self._held), len(pairs), runs.ctypes.data, len(runs), budget
         )
-        self.library.triaxis_start(ctypes.c_void_p(self.model), ctypes.byref(burst))
+        self.library.triaxis_start(self.model, ctypes.byref(burst))
 
     def run(self, clocks: int) -> Progress:
         """Run for so many clocks at most: to the end of the burst, or until beats are to be fetched.
@@ -102,9 +102,7 @@ class CorePlayer(Player):
         Also until an assertion fails for the first time.
         """
         progress = _Progress()
-        symptom = self.library.triaxis_run(
-            ctypes.c_void_p(self.model), ctypes.c_int64(clocks), ctypes.byref(progress)
-        )
+        symptom = self.library.triaxis_run(self.model, ctypes.c_int64(clocks), ctypes.byref(progress))
         return Progress(
             progress.accepted, bool(progress.active), bool(progress.asserted), progress.clock,
             progress.last - progress.first + 1, SYMPTOMS[symptom],
@@ -137,11 +135,11 @@ class CorePlayer(Player):
     def _available(self, side: str) -> int:
         available = getattr(self.library, f"triaxis_{side}_available")
         available.restype = ctypes.c_int64
-        return available(ctypes.c_void_p(self.model))
+        return available(self.model)
 
     def _fetch(self, side: str, count: int, arrays: tuple[Array, ...]) -> bool:
         fetch = getattr(self.library, f"triaxis_{side}_fetch")
-        return bool(fetch(ctypes.c_void_p(self.model), ctypes.c_int64(count), *map(_address, arrays)))
+        return bool(fetch(self.model, ctypes.c_int64(count), *map(_address, arrays)))
 
 
 def _address(array: Array) -> ctypes.c_void_p:

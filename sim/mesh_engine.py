@@ -142,17 +142,15 @@ class MeshPlayer(Player):
 
     def watch(self, loads: bool, core: bool) -> None:
         """Note what is loaded, and what reaches the core, or do not: it costs time."""
-        self.library.triaxis_watch(ctypes.c_void_p(self.model), int(loads), int(core))
+        self.library.triaxis_watch(self.model, int(loads), int(core))
 
     def set_reset(self, active: bool) -> None:
         """Assert reset, or release it, between two edges."""
-        self.library.triaxis_reset(ctypes.c_void_p(self.model), int(active))
+        self.library.triaxis_reset(self.model, int(active))
 
     def set_paces(self, near: Runs = ALWAYS, done: Runs = ALWAYS) -> None:
         """Take near pairs and summaries by patterns of clocks on and off, alternating; empty: always."""
-        self.library.triaxis_paces(
-            ctypes.c_void_p(self.model), *_address(near), *_address(done)
-        )  # fmt: skip
+        self.library.triaxis_paces(self.model, *_address(near), *_address(done))
 
     def load(
         self, mesh: int, triangles: npt.NDArray[np.integer[Any]], clear: bool = True, gaps: Runs = ALWAYS
@@ -163,7 +161,7 @@ class MeshPlayer(Player):
         load = _Load(
             mesh, int(clear), len(self._held), self._held.ctypes.data, len(gaps), gaps.ctypes.data
         )  # fmt: skip
-        self.library.triaxis_load(ctypes.c_void_p(self.model), ctypes.byref(load))
+        self.library.triaxis_load(self.model, ctypes.byref(load))
 
     def offer(
         self, translation: Move, margin: int, mode: int, trial: int = 0, aborts: Iterable[int] = (),
@@ -179,7 +177,7 @@ class MeshPlayer(Player):
             (ctypes.c_int64 * 3)(*translation), (ctypes.c_int64 * 3)(margin, *zones), mode, trial,
             int(acknowledge), int(idle_abort), len(clocks), clocks.ctypes.data,
         )  # fmt: skip
-        self.library.triaxis_offer(ctypes.c_void_p(self.model), ctypes.byref(run))
+        self.library.triaxis_offer(self.model, ctypes.byref(run))
 
     def run(self, clocks: int) -> MeshProgress:
         """Run for so many clocks at most: until a load is over, a run is accepted or has ended.
@@ -187,9 +185,7 @@ class MeshPlayer(Player):
         Also until events are to be fetched, or an assertion fails for the first time.
         """
         progress = _Progress()
-        symptom = self.library.triaxis_run(
-            ctypes.c_void_p(self.model), ctypes.c_int64(clocks), ctypes.byref(progress)
-        )
+        symptom = self.library.triaxis_run(self.model, ctypes.c_int64(clocks), ctypes.byref(progress))
         return MeshProgress(
             bool(progress.asserted), SYMPTOMS[symptom] or (HANGS if progress.hung else ""), progress.clock,
             bool(progress.loading), progress.accepted, progress.ended, progress.clocks,
@@ -198,18 +194,17 @@ class MeshPlayer(Player):
     def events(self) -> tuple[npt.NDArray[np.void], npt.NDArray[np.int64]]:
         """Return what was seen since the last call, of `EVENT` in order of time, and the numbers with it."""
         counts = ctypes.c_int64(), ctypes.c_int64()
-        model = ctypes.c_void_p(self.model)
-        self.library.triaxis_noted(model, *map(ctypes.byref, counts))
+        self.library.triaxis_noted(self.model, *map(ctypes.byref, counts))
         events, values = np.empty(counts[0].value, EVENT), np.empty(counts[1].value, np.int64)
         self.library.triaxis_fetch(
-            model, ctypes.c_void_p(events.ctypes.data), ctypes.c_void_p(values.ctypes.data)
+            self.model, ctypes.c_void_p(events.ctypes.data), ctypes.c_void_p(values.ctypes.data)
         )
         return events, values
 
     def held(self, mesh: int) -> int:
         """Return how many triangles the engine says that it holds of mesh 0 or 1."""
         self.library.triaxis_held.restype = ctypes.c_int64
-        return int(self.library.triaxis_held(ctypes.c_void_p(self.model), mesh))
+        return int(self.library.triaxis_held(self.model, mesh))
 
 
 def _address(runs: Runs) -> tuple[ctypes.c_void_p, ctypes.c_int64]:

@@ -35,13 +35,14 @@ class Player:
         self.library.triaxis_open.argtypes = [ctypes.c_uint32, ctypes.c_int64]
         self.library.triaxis_close.argtypes = [ctypes.c_void_p]
         self.library.triaxis_close.restype = None
-        self.model: int | None = None
+        self.model: ctypes.c_void_p | None = None
         self.renew(selected, initial)
 
     def renew(self, selected: int = 0, initial: int = ZEROS) -> None:
         """Free the model, and make another one."""
         self.free()
-        self.model = self.library.triaxis_open(selected, initial)
+        # Not a number: functions whose arguments are not described would take 32 bits of it.
+        self.model = ctypes.c_void_p(self.library.triaxis_open(selected, initial))
 
     def registers(self) -> tuple[Register, ...]:
         """Return the registers and memories, of a build that makes them public."""
