@@ -10,8 +10,8 @@ from typing import Any
 # What is wrong with a play, if anything, in the order of player.h.
 ASSERTION, HANGS = "assertion", "hangs"
 SYMPTOMS = ("", ASSERTION, "does not settle")
-
-
+# The clock of every simulation; player.h has half of it.
+PERIOD_NS = 10
 # Registers and memories begin with 0.
 ZEROS = -1
 

@@ -13,7 +13,7 @@ import numpy.typing as npt
 from cocotb.triggers import Timer
 
 from triaxis.sim.board_parameters import BoardParameters
-from triaxis.sim.clocking import PERIOD_NS
+from triaxis.sim.player import PERIOD_NS
 from triaxis.sim.simulated_board import (
     BEAT,
     BEGIN,

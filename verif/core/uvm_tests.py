@@ -5,7 +5,7 @@ from pathlib import Path
 import cocotb
 import numpy as np
 
-from triaxis.sim.clocking import PERIOD_NS
+from triaxis.sim.player import PERIOD_NS
 from triaxis.verif.core.base_test import CoreTest
 from triaxis.verif.core.failing_pairs import read_failing
 from triaxis.verif.core.items import FULL_SPEED, BurstItem, Pace

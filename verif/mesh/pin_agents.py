@@ -15,8 +15,7 @@ from pyuvm import uvm_agent, uvm_analysis_port, uvm_driver, uvm_monitor, uvm_sub
 
 from triaxis.golden.errors import InputError
 from triaxis.golden.pairs import coordinate_range
-from triaxis.sim.clocking import PERIOD_NS
-from triaxis.sim.player import HANGS
+from triaxis.sim.player import HANGS, PERIOD_NS
 from triaxis.verif.core.items import FULL_SPEED, Pace, ResetSeen
 from triaxis.verif.mesh.items import (
     AbortAsked,

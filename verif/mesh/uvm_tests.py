@@ -10,8 +10,8 @@ from cocotb.task import Task
 
 from triaxis.golden.axes import BOX_AXES
 from triaxis.golden.pairs import coordinate_range
-from triaxis.sim.clocking import PERIOD_NS
 from triaxis.sim.mesh_engine import NO_ZONES, Mode, Trial
+from triaxis.sim.player import PERIOD_NS
 from triaxis.verif.core.items import FULL_SPEED, Pace
 from triaxis.verif.mesh.base_test import MeshEngineTest
 from triaxis.verif.mesh.expectation import ATTEMPTS, SCRUB, Memory

@@ -34,7 +34,7 @@ from pyuvm import (
 )
 
 from triaxis.golden.outputs import write_whole
-from triaxis.sim.clocking import PERIOD_NS
+from triaxis.sim.player import PERIOD_NS
 from triaxis.verif.testbench.fast_model import FastModel
 from triaxis.verif.testbench.reports import INFO, report
 from triaxis.verif.testbench.settings import (

@@ -17,7 +17,6 @@ from cocotb_tools.runner import get_runner
 from triaxis.golden.errors import InputError
 from triaxis.golden.input_file import read_input
 from triaxis.golden.outputs import make_folder
-from triaxis.sim.clocking import PERIOD_NS
 from triaxis.sim.configuration import Configuration
 from triaxis.sim.models import (
     asserted,
@@ -30,6 +29,7 @@ from triaxis.sim.models import (
     pin_build,
 )
 from triaxis.sim.paths import BUILD, DUT
+from triaxis.sim.player import PERIOD_NS
 from triaxis.sim.simulators import compiled_for
 from triaxis.sim.verilate import VCD, Build, library, verilate
 from triaxis.verif.testbench.settings import (

@@ -8,8 +8,8 @@ from pathlib import Path
 
 from triaxis.golden.errors import InputError
 from triaxis.golden.outputs import write_whole
-from triaxis.sim.clocking import PERIOD_NS
 from triaxis.sim.models import BOARD_TOP, MESH_TOP
+from triaxis.sim.player import PERIOD_NS
 from triaxis.verif.testbench.settings import PIN, VERILATOR, Block, RunSettings
 
 WAVES = ("vcd", "fst")

@@ -1,3 +1,0 @@
-"""The clock of every simulation."""
-
-PERIOD_NS = 10
