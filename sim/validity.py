@@ -129,9 +129,9 @@ class Provenance(Validity):
     git_commit: str | None
     git_clean: bool | None
 
-    def still_holds(self, sources: Sources, dut: Path = DUT) -> bool:
+    def still_holds(self, sources: Sources) -> bool:
         """Return whether all that it is valid for is as it was; a commit changes nothing of that."""
-        return validity(sources, dut).key == self.key
+        return validity(sources).key == self.key
 
 
 def validity(sources: Sources, dut: Path = DUT) -> Validity:
@@ -139,10 +139,10 @@ def validity(sources: Sources, dut: Path = DUT) -> Validity:
     return Validity(rtl_hash(dut), sources.hash(), str(verilator()))
 
 
-def provenance(sources: Sources) -> Provenance:
+def provenance(sources: Sources, dut: Path = DUT) -> Provenance:
     """Return the same with the commit: to be taken before the first run."""
     return Provenance(
-        **vars(validity(sources)), git_commit=git("rev-parse", "HEAD"), git_clean=_is_clean(sources)
+        **vars(validity(sources, dut)), git_commit=git("rev-parse", "HEAD"), git_clean=_is_clean(sources)
     )
 
 
@@ -192,7 +192,7 @@ def standing(sources: Sources, dut: Path = DUT) -> Standing:
     """Return how the files of ``sources``, and the RTL, stand now."""
     # First: what is written to while it is hashed is another afterwards.
     state = _state(sources, dut)
-    return Standing(provenance(sources), sources, dut, state)
+    return Standing(provenance(sources, dut), sources, dut, state)
 
 
 def _state(sources: Sources, dut: Path) -> _State:

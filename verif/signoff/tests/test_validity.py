@@ -126,6 +126,8 @@ def test_an_edit_that_is_taken_back_is_seen(tmp_path):
     assert before.stands
     file.write_text("another")
     assert not before.stands
+    # What is said is of the RTL that was named.
+    assert standing(sources, dut).valid_for.rtl_hash != before.valid_for.rtl_hash
     file.write_text(text)
     with pytest.raises(InputError, match="was written to during the run"):
         before.check()
