@@ -65,8 +65,6 @@ inline Split<kBits> Carry(Reals coarse, Reals fine) {
 }
 
 struct Wide {
-  static constexpr double kLargestExtent = 0x1p32;
-
   // A coordinate, an edge or a margin: |high| <= 2^32 / 2^16, |low| <= 2^15.
   struct Factor {
     Reals whole;

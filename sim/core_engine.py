@@ -240,7 +240,7 @@ def streamed(
         some = pairs[start : start + _CHUNK]
         tags = np.arange(start, start + len(some), dtype=np.uint64) & tag_mask
         player.start(some, margins[start : start + _CHUNK], tags, _ALWAYS, len(some) + _SLACK)
-        at = player.run(len(some) + _SLACK)
+        player.run(len(some) + _SLACK)
         at = player.run(_DRAIN)
         came, came_tags, *_ = player.output_beats()
         wrong = at.symptom or ("" if len(came) == len(some) else "hangs")

@@ -21,10 +21,10 @@ def core_sources(dut: Path = DUT) -> list[Path]:
     return [source for source in rtl_sources(dut) if source.name != "CollisionDetector.sv"]
 
 
-def certified_sources(dut: Path = DUT) -> list[Path]:
+def certified_sources() -> list[Path]:
     """Return those of the core's RTL files that the certified core alone elaborates."""
     names = ("reach", "apart", "certifier", "certified_core")
-    return [dut / "core" / f"triaxis_{name}.sv" for name in names]
+    return [DUT / "core" / f"triaxis_{name}.sv" for name in names]
 
 
 def mesh_sources(dut: Path = DUT) -> list[Path]:

@@ -62,6 +62,11 @@ class Trials:
         """Return the file of verdicts: one a line."""
         return self.folder / "verdicts.jsonl"
 
+    @property
+    def told(self) -> int:
+        """Return the size of that file."""
+        return self.results.stat().st_size if self.results.exists() else 0
+
     def write(self) -> dict[str, str]:
         """Write the plan; return the environment variable that names it."""
         plan = {
@@ -76,11 +81,6 @@ class Trials:
     def log(self) -> Path:
         """Return the file with what the last trial said."""
         return self.folder / "trial.log"
-
-    @property
-    def told(self) -> int:
-        """Return the size of that file."""
-        return self.results.stat().st_size if self.results.exists() else 0
 
     def verdicts(self) -> list[Verdict]:
         """Return all verdicts so far."""
