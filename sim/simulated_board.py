@@ -145,16 +145,12 @@ class BoardPlayer(Player):
 
 
 class SimulatedTop(BoardPlayer):
-    """A board after power-up, built on first use. Time passes in `step` alone; a clock is 10 ns."""
+    """A board after power-up, built on first use; a clock is 10 ns."""
 
     def __init__(self, parameters: BoardParameters | None = None) -> None:
         """Build the board where needed, and power it up."""
         self.parameters = parameters or BoardParameters()
         super().__init__(library(board_build(self.parameters)))
-
-    def close(self) -> None:
-        """Free the board; it cannot be used afterwards."""
-        self.free()
 
     def __enter__(self) -> "SimulatedTop":
         """Return the board."""
@@ -162,7 +158,7 @@ class SimulatedTop(BoardPlayer):
 
     def __exit__(self, *_: object) -> None:
         """Free the board."""
-        self.close()
+        self.free()
 
     def step(self, clocks: int, until_event: bool = False) -> int:
         """Run that many clocks, and return how many were run.
@@ -171,10 +167,6 @@ class SimulatedTop(BoardPlayer):
         """
         before = self.clocks
         return self.run(clocks, SPOKEN if until_event else NEVER).clock - before
-
-    def reset(self, clocks: int = 16) -> None:
-        """Press the reset button for that many clocks, and let go."""
-        self.press(clocks)
 
     @property
     def go(self) -> bool:
@@ -190,13 +182,3 @@ class SimulatedTop(BoardPlayer):
     def go_clocks(self) -> int:
         """Return in how many clocks since power-up the go pin has said go."""
         return self.pins().go_clocks
-
-    @property
-    def bad_clocks(self) -> int:
-        """Return in how many clocks since power-up the go and stop pins were not opposite."""
-        return self.pins().bad_clocks
-
-    @property
-    def leds(self) -> int:
-        """Return the 16 LEDs, bit 0 the rightmost."""
-        return self.pins().leds

@@ -12,4 +12,4 @@ def top(request: pytest.FixtureRequest) -> Iterator[SimulatedTop]:
     """Simulate a board of the PARAMETERS of the test's module."""
     with SimulatedTop(request.module.PARAMETERS) as board:
         yield board
-        assert board.bad_clocks == 0
+        assert board.pins().bad_clocks == 0

@@ -345,7 +345,7 @@ def test_clear_without_go_says_why(step, why, top, board_check, boxes, monkeypat
     def slow(board, *arguments):
         found = real(board, *arguments)
         # Until the watchdog has run out.
-        while top.leds & 1 << 3:
+        while top.pins().leds & 1 << 3:
             time.sleep(0.01)
         return found
 
@@ -447,7 +447,7 @@ def test_a_second_master_is_refused_while_the_first_lives(top, rng):
     assert top.stop
     assert second.status().errors > 0
     assert near_of(second, a, b) == []
-    top.reset()
+    top.press(16)
     assert top.stop
     with pytest.raises(LinkError, match="was reset, or another master has taken it"):
         second.run(Mode.ALL, 2)
