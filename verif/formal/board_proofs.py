@@ -40,8 +40,7 @@ def _board_twice() -> SbyProof:
         top="triaxis_board_twice_formal",
         dut_files=tuple(f"{file}.sv" for file in _BOARD),
         formal_files=("triaxis_board_surroundings.sv", "triaxis_board_twice_formal.sv"),
-        depth=2,
-        cover_depth=3,
+        clocks=2,
     )
 
 
@@ -71,8 +70,7 @@ def _board_go() -> SbyProof:
         top="triaxis_go_formal",
         dut_files=tuple(f"{file}.sv" for file in _BOARD),
         formal_files=("triaxis_board_surroundings.sv", "triaxis_go_formal.sv"),
-        depth=1,
-        cover_depth=10,
+        clocks=10,
         cover_from_reset=False,
     )
 

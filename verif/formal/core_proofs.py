@@ -35,8 +35,8 @@ def _verdict(width: int) -> SbyProof:
         "flag of a masked pair.",
         ("core/triaxis_verdict", "core/triaxis_flags", "core/triaxis_delay"),
         {"W": width, "NormalWait": 9, "DetWait": 6},
-        14,
-        window=13,
+        13,
+        window=True,
     )
 
 
@@ -117,9 +117,9 @@ def _intervals(margin: int) -> SbyProof:
         "by more than the threshold, on one side, strictly, for free projections and thresholds.",
         ("core/triaxis_interval",),
         {"W": WIDTH, "M": margin},
-        5,
+        4 if margin else 3,
         ("the end moved by the threshold fits: shown by the proofs `axes_*`",),
-        window=4 if margin else 3,
+        window=True,
     )
 
 
@@ -130,12 +130,12 @@ def _box(margin: int) -> SbyProof:
         "exceed the margin, for free coordinates and margins.",
         ("core/triaxis_box", "core/triaxis_extent", "core/triaxis_delay"),
         {"W": WIDTH, "M": margin},
-        6,
-        window=5,
+        5,
+        window=True,
     )
 
 
-def _threshold(name: str, components: int, size: int, margin: int, depth: int, exact: bool) -> SbyProof:
+def _threshold(name: str, components: int, size: int, margin: int, clocks: int, exact: bool) -> SbyProof:
     product = (
         "the threshold is their product" if exact else "the threshold is what the multiplier makes of them"
     )
@@ -145,13 +145,13 @@ def _threshold(name: str, components: int, size: int, margin: int, depth: int, e
         f"one clock, and {product}.",
         ("core/triaxis_threshold", *_MULTIPLIER),
         {"Components": components, "CWidth": size, "M": margin, "Exact": int(exact)},
-        depth + 1,
+        clocks,
         ("the sum of absolutes fits: shown by the proofs `axes_*`",),
-        window=depth,
+        window=True,
     )
 
 
-def _reach(name: str, width: int, margin: int, depth: int, exact: bool) -> SbyProof:
+def _reach(name: str, width: int, margin: int, clocks: int, exact: bool) -> SbyProof:
     product = "the reach is their product" if exact else "the reach is what the multiplier makes of them"
     return harness_proof(
         name,
@@ -159,9 +159,9 @@ def _reach(name: str, width: int, margin: int, depth: int, exact: bool) -> SbyPr
         f"the multiplier exactly, at one clock, and {product}.",
         ("core/triaxis_reach", *_MULTIPLIER),
         {"W": width, "M": margin, "Exact": int(exact)},
-        depth + 1,
+        clocks,
         ("the sum of absolutes fits, none being the lowest number: shown by `certificate`",),
-        window=depth,
+        window=True,
     )
 
 
@@ -178,12 +178,12 @@ def _apart(name: str, width: int, margin: int, nine: bool) -> SbyProof:
         "projections and reaches.",
         ("core/triaxis_apart",),
         {"W": width, "M": margin, "Nine": int(nine)},
-        6,
+        5,
         (
             "projections are from the first vertex of A, and the nine differences fit: shown by the proof "
             "`certificate`",
         ),
-        window=5,
+        window=True,
     )
 
 
@@ -194,12 +194,12 @@ def _multiply() -> SbyProof:
         "three or four pieces, straight and swapped.",
         _MULTIPLIER,
         {},
-        7,
+        6,
         (
             "the ports of a DSP block have 4 x 3 bits in the copy that is proved, and narrow pieces 2, so "
             "that small operands are split",
         ),
-        window=6,
+        window=True,
     )
     ports = (("DspPortA = 25", "DspPortA = 4"), ("DspPortB = 18", "DspPortB = 3"))
     ports += (("NarrowBits = 5", "NarrowBits = 2"),)
@@ -240,14 +240,14 @@ def core_proofs() -> tuple[SbyProof, ...]:
             ),
             {"W": 1},
             1,
-            window=1,
+            window=True,
         ),
         harness_proof(
             "multiply_narrow",
             "The multiplier of narrow pieces gives the product of its operands, for pieces of 1 to 5 bits.",
             ("core/triaxis_narrow_mul",),
             {"Wide": 6},
-            4,
-            window=3,
+            3,
+            window=True,
         ),
     )

@@ -35,9 +35,9 @@ def _skip(name: str, width: int, whole: bool) -> SbyProof:
         claim,
         ("mesh/triaxis_overlap", "mesh/triaxis_grow", "mesh/triaxis_run_control"),
         {"W": width, "M": width, "Whole": int(whole)},
-        5,
+        4,
         ("what was asked for is not exchanged while a run compares boxes: it is taken on acceptance alone",),
-        window=4,
+        window=True,
     )
 
 
@@ -111,9 +111,9 @@ def _twice() -> SbyProof:
         "are alike.",
         (*_WALK, *_MESH),
         {"W": 8, "M": 8, "Depth": 16, "Group": 4, "Lanes": 2},
-        3,
+        2,
         ("the box of a mesh counts where it has triangles that have settled: `engine_walk`",),
-        window=2,
+        window=True,
         beside=("triaxis_twice_surroundings",),
         harness="triaxis_twice_formal",
     )
@@ -194,9 +194,9 @@ def engine_proofs() -> tuple[SbyProof, ...]:
             "that of its group, when all is written.",
             _STORE,
             {"W": WIDTH, "Depth": 16, "Group": 4, "Lanes": 2},
-            8,
+            5,
             ("while a mesh is scrubbed no run reads: `engine_walk`",),
-            window=5,
+            window=True,
         ),
         replace(
             harness_proof(
@@ -221,8 +221,8 @@ def engine_proofs() -> tuple[SbyProof, ...]:
             "signature is the complement of the first.",
             ("mesh/triaxis_mesh_scrub",),
             {"W": 12, "Depth": 8},
-            3,
-            window=2,
+            2,
+            window=True,
             harness="triaxis_signature_formal",
         ),
         replace(

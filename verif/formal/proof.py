@@ -191,18 +191,19 @@ class Method(StrEnum):
 class SbyProof(Proof):
     """Assertions of the module ``top``, with the files of dut/ and rtl/ that they need.
 
-    ``depth``: the k of the induction, or the clocks of the window, in which only the last one is checked.
-    ``cover_depth``: clocks in which everything to be covered is reached. ``edits``: what the copy of a file
-    has otherwise, (old, new) by file name. ``cover_from_reset``: else covers begin in any state that the
-    assertions allow; only the harness's own registers begin as it says.
+    ``clocks``: those in which everything to be covered is reached, and all that a window has, whose last one
+    is checked: were that too early for anything to be asserted, it would be for what is covered, too.
+    ``depth``: the k of the induction. ``edits``: what the copy of a file has otherwise, (old, new) by file
+    name. ``cover_from_reset``: else covers begin in any state that the assertions allow; only the harness's
+    own registers begin as it says.
     """
 
     parameters: Mapping[str, int]
     top: str
     dut_files: tuple[str, ...]
     formal_files: tuple[str, ...]
-    depth: int
-    cover_depth: int
+    clocks: int
+    depth: int = 1
     edits: Mapping[str, tuple[tuple[str, str], ...]] = field(default_factory=dict)
     cover_from_reset: bool = True
 
@@ -265,10 +266,10 @@ class SbyProof(Proof):
                 "[tasks]", _CHECK, _COVER,
                 "[options]",
                 f"{_CHECK}: mode {'bmc' if window else 'prove'}",
-                f"{_CHECK}: depth {self.depth}",
-                *([f"{_CHECK}: skip {self.depth - 1}"] if window else []),
+                f"{_CHECK}: depth {self.clocks if window else self.depth}",
+                *([f"{_CHECK}: skip {self.clocks - 1}"] if window else []),
                 f"{_COVER}: mode cover",
-                f"{_COVER}: depth {self.cover_depth}",
+                f"{_COVER}: depth {self.clocks}",
                 "[engines]", "smtbmc yices",
                 "[script]",
                 # What is beyond an array is for the proof to find, and not for the tool to refuse.
@@ -305,10 +306,10 @@ def harness_proof(
     claim: str,
     modules: tuple[str, ...],
     parameters: Mapping[str, int],
-    cover_depth: int,
+    clocks: int,
     assumptions: tuple[str, ...] = (),
     *,
-    window: int | None = None,
+    window: bool = False,
     beside: tuple[str, ...] = (),
     harness: str | None = None,
 ) -> SbyProof:
@@ -322,9 +323,8 @@ def harness_proof(
     packages += ["mesh/triaxis_mesh_pkg"] if modules[0].startswith(("mesh/", "board/")) else []
     packages += ["board/triaxis_board_pkg"] if modules[0].startswith("board/") else []
     return SbyProof(
-        name=name, claim=claim, method=Method.INDUCTION if window is None else Method.WINDOW, top=top,
+        name=name, claim=claim, method=Method.WINDOW if window else Method.INDUCTION, top=top,
         dut_files=tuple(f"{module}.sv" for module in (*packages, *reversed(modules))),
         formal_files=(*(f"{file}.sv" for file in beside), f"{top}.sv"), parameters=parameters,
-        assumptions=(_RESET, *assumptions) if window is None else assumptions,
-        depth=window or 1, cover_depth=cover_depth,
+        assumptions=assumptions if window else (_RESET, *assumptions), clocks=clocks,
     )  # fmt: skip
