@@ -1,20 +1,17 @@
 """The board's proofs: what its go implies, and the frames, runs and replies that this rests on."""
 
-from dataclasses import replace
+from triaxis.verif.formal.proof import WIDTH, SbyProof, harness_proof
 
-from triaxis.verif.formal.proof import WIDTH, Method, SbyProof, harness_proof
-
-# The board, from its packages up to its top, without what stands in for it.
+# The board, from its top down, without what stands in for it.
 _BOARD = (
-    "core/triaxis_pkg", "mesh/triaxis_mesh_pkg", "board/triaxis_board_pkg",
+    "board/nexys4ddr_top",
     *(
         f"board/triaxis_{module}"
         for module in (
-            "reset_sync", "session", "judge", "loader", "command", "watchdog", "runner", "saturating_counter",
-            "answer", "safety", "beat",
+            "beat", "safety", "answer", "saturating_counter", "runner", "watchdog", "command", "loader",
+            "judge", "session", "reset_sync",
         )
     ),
-    "board/nexys4ddr_top",
 )  # fmt: skip
 
 # As it ships: of the top's own times those that go rests on.
@@ -24,9 +21,9 @@ _BOARD_SIZES = {
 
 
 def _board_twice() -> SbyProof:
-    return SbyProof(
-        name="board_twice",
-        claim="Whatever the one of two does, the other permits nothing but from the end of a complete run "
+    return harness_proof(
+        "board_twice",
+        "Whatever the one of two does, the other permits nothing but from the end of a complete run "
         "that found nothing near, to the deadline that it counts itself, and on its own sign of life, with "
         "no change, error or fault since; go is that of the one, stop the contrary of the other; what is "
         "beyond a zone both must say, each with its own go alone, of what the run that began it found; for "
@@ -34,20 +31,20 @@ def _board_twice() -> SbyProof:
         "is broken, and what is tried of these, are a fault in the next clock, and nothing else is, until "
         "the next HELLO; a fault is told to the host, and so are margin, pose, zones and number of the "
         "first, whole.",
-        method=Method.WINDOW,
-        parameters=_BOARD_SIZES,
-        assumptions=("the engine tells its faults: `engine_checks`; a frame its own: `board_frame`",),
-        top="triaxis_board_twice_formal",
-        dut_files=tuple(f"{file}.sv" for file in _BOARD),
-        formal_files=("triaxis_board_surroundings.sv", "triaxis_board_twice_formal.sv"),
-        clocks=2,
+        _BOARD,
+        _BOARD_SIZES,
+        2,
+        ("the engine tells its faults: `engine_checks`; a frame its own: `board_frame`",),
+        window=True,
+        beside=("triaxis_board_surroundings",),
+        harness="triaxis_board_twice_formal",
     )
 
 
 def _board_go() -> SbyProof:
-    return SbyProof(
-        name="board_go",
-        claim="For all time, from power-up: go is said only where the last run that the engine ended was "
+    return harness_proof(
+        "board_go",
+        "For all time, from power-up: go is said only where the last run that the engine ended was "
         "complete and found nothing near, and its hold, if it has one, is not over; a run that has begun "
         "since then holds; both are as they were acknowledged to the host: pose, margins, mode and trial "
         "asked for; the meshes are those acknowledged, byte by byte, as many triangles as the runs named, "
@@ -57,9 +54,10 @@ def _board_go() -> SbyProof:
         "one of these ends it, whatever was found in the outer zones; beyond a zone is said exactly with "
         "go, where the last run that ended looked at it and found nothing in it. Go and stop always differ; "
         "the beat ends with go. The signatures that a LOAD is answered with are the engine's.",
-        method=Method.INDUCTION,
-        parameters=_BOARD_SIZES,
-        assumptions=(
+        _BOARD,
+        _BOARD_SIZES,
+        10,
+        (
             "frames are whole, have their CRC and stay until they are released: shown by `board_frame`, "
             "`board_slip` and `board_bytes`; they come at any clocks",
             "the engine takes nothing during a run, and ends it once: shown by `engine_control`; it counts "
@@ -67,31 +65,27 @@ def _board_go() -> SbyProof:
             "other proofs of the engine and the core make of it",
             "replies leave at any pace, and what RESULTS may ask for is anything",
         ),
-        top="triaxis_go_formal",
-        dut_files=tuple(f"{file}.sv" for file in _BOARD),
-        formal_files=("triaxis_board_surroundings.sv", "triaxis_go_formal.sv"),
-        clocks=10,
+        beside=("triaxis_board_surroundings",),
+        harness="triaxis_go_formal",
+        resets=False,
         cover_from_reset=False,
     )
 
 
 def _board_reply() -> SbyProof:
-    return replace(
-        harness_proof(
-            "board_reply",
-            "For all time: a request is answered once, with the head and the payload that the protocol "
-            "gives that answer, every byte at its place, the payload again inverted, the near pairs "
-            "of the ring from the number asked for, and their own CRC-32; nothing else is sent. A byte is "
-            "offered in each clock, or in the one after it, until all are sent.",
-            ("board/triaxis_reply", "board/triaxis_answer", "board/triaxis_crc32"),
-            {"IndexWidth": 12},
-            4,
-            (
-                "only a LOAD is refused for its place, and only known commands are executed: shown by "
-                "`board_go`",
-                "the ring gives the pair of a number a clock after that: words of a memory, shown by "
-                "`engine_memory`",
-            ),
+    return harness_proof(
+        "board_reply",
+        "For all time: a request is answered once, with the head and the payload that the protocol "
+        "gives that answer, every byte at its place, the payload again inverted, the near pairs "
+        "of the ring from the number asked for, and their own CRC-32; nothing else is sent. A byte is "
+        "offered in each clock, or in the one after it, until all are sent.",
+        ("board/triaxis_reply", "board/triaxis_answer", "board/triaxis_crc32"),
+        {"IndexWidth": 12},
+        4,
+        (
+            "only a LOAD is refused for its place, and only known commands are executed: shown by `board_go`",
+            "the ring gives the pair of a number a clock after that: words of a memory, shown by "
+            "`engine_memory`",
         ),
         cover_from_reset=False,
     )
@@ -103,57 +97,49 @@ def board_proofs() -> tuple[SbyProof, ...]:
         _board_reply(),
         _board_go(),
         _board_twice(),
-        replace(
-            harness_proof(
-                "board_bytes",
-                "For all time and for any line: a byte is given exactly where one was, each of its bits as "
-                "the line was in the middle of it, after a start bit and before a stop bit; without a stop "
-                "bit it is an error, told once.",
-                ("board/triaxis_uart_rx",),
-                {"ClocksPerThreeBits": 25},
-                54,
-            ),
+        harness_proof(
+            "board_bytes",
+            "For all time and for any line: a byte is given exactly where one was, each of its bits as "
+            "the line was in the middle of it, after a start bit and before a stop bit; without a stop "
+            "bit it is an error, told once.",
+            ("board/triaxis_uart_rx",),
+            {"ClocksPerThreeBits": 25},
+            54,
             cover_from_reset=False,
         ),
-        replace(
-            harness_proof(
-                "board_line",
-                "For all time and for any bytes: each that is accepted is on the line from the next clock "
-                "on, start bit, its bits, stop bit, each as long as the rate says to a clock; then the next "
-                "is accepted; the line is high besides.",
-                ("board/triaxis_uart_tx",),
-                {"ClocksPerThreeBits": 25},
-                3,
-            ),
+        harness_proof(
+            "board_line",
+            "For all time and for any bytes: each that is accepted is on the line from the next clock "
+            "on, start bit, its bits, stop bit, each as long as the rate says to a clock; then the next "
+            "is accepted; the line is high besides.",
+            ("board/triaxis_uart_tx",),
+            {"ClocksPerThreeBits": 25},
+            3,
             cover_from_reset=False,
         ),
-        replace(
-            harness_proof(
-                "board_ring",
-                "For all time: the ring takes every near pair until it holds 1,024, and those that it holds "
-                "are given by their numbers, which have 32 bits; what finds no place waits, or is dropped "
-                "where a run is aborted.",
-                ("board/triaxis_near_ring", "mesh/triaxis_ram"),
-                {"Width": 24, "Entries": 1024},
-                3,
-                ("pairs are freed up to one that is held, or to the next: no other RESULTS is executed",),
-            ),
+        harness_proof(
+            "board_ring",
+            "For all time: the ring takes every near pair until it holds 1,024, and those that it holds "
+            "are given by their numbers, which have 32 bits; what finds no place waits, or is dropped "
+            "where a run is aborted.",
+            ("board/triaxis_near_ring", "mesh/triaxis_ram"),
+            {"Width": 24, "Entries": 1024},
+            3,
+            ("pairs are freed up to one that is held, or to the next: no other RESULTS is executed",),
             cover_from_reset=False,
         ),
-        replace(
-            harness_proof(
-                "board_frame",
-                "For all time and under any bytes, ends and errors: a frame that is handed out is what came "
-                "between two ends, 13 to 256 bytes, unchanged until it is released, its last four the "
-                "complement of the remainder of the others divided by the polynomial of CRC-32; every such "
-                "frame is handed out unless it came while another was held; every other is told as an error. "
-                "A byte of it that is shown is told as broken where one bit of it or of its parity is "
-                "inverted, or that is tried, and otherwise not.",
-                ("board/triaxis_frame_rx", "board/triaxis_crc32"),
-                {},
-                18,
-                ("of byte, end and error one comes at a time: shown by `board_slip`",),
-            ),
+        harness_proof(
+            "board_frame",
+            "For all time and under any bytes, ends and errors: a frame that is handed out is what came "
+            "between two ends, 13 to 256 bytes, unchanged until it is released, its last four the "
+            "complement of the remainder of the others divided by the polynomial of CRC-32; every such "
+            "frame is handed out unless it came while another was held; every other is told as an error. "
+            "A byte of it that is shown is told as broken where one bit of it or of its parity is "
+            "inverted, or that is tried, and otherwise not.",
+            ("board/triaxis_frame_rx", "board/triaxis_crc32"),
+            {},
+            18,
+            ("of byte, end and error one comes at a time: shown by `board_slip`",),
             edits={
                 "board/triaxis_frame_rx.sv": (
                     (
@@ -188,15 +174,13 @@ def board_proofs() -> tuple[SbyProof, ...]:
                 "the engine ends a run once: shown by `engine_control`",
             ),
         ),
-        replace(
-            harness_proof(
-                "board_errors",
-                "For all time: the count of errors grows by what happens in a clock, two things at most, and "
-                "stays at the largest number that it can show.",
-                ("board/triaxis_saturating_counter",),
-                {"Width": 12},
-                3,
-            ),
+        harness_proof(
+            "board_errors",
+            "For all time: the count of errors grows by what happens in a clock, two things at most, and "
+            "stays at the largest number that it can show.",
+            ("board/triaxis_saturating_counter",),
+            {"Width": 12},
+            3,
             cover_from_reset=False,
         ),
     )

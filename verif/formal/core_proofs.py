@@ -1,7 +1,5 @@
 """The core's proofs by assertions: of its streams, of the certified core, and of the modules of both."""
 
-from dataclasses import replace
-
 from triaxis.golden.pairs import MAX_WIDTH
 from triaxis.verif.formal.proof import WIDTH, SbyProof, harness_proof
 
@@ -61,7 +59,7 @@ _UPSETS = (
 
 
 def _certified(name: str, width: int, claim: str, upset: bool, *assumptions: str) -> SbyProof:
-    proof = harness_proof(
+    return harness_proof(
         name,
         claim,
         (_CERTIFIED, "core/triaxis_core", "core/triaxis_fifo", "core/triaxis_delay"),
@@ -74,8 +72,8 @@ def _certified(name: str, width: int, claim: str, upset: bool, *assumptions: str
             *assumptions,
         ),
         beside=("triaxis_certified_surroundings", "triaxis_stream_rules"),
+        edits={f"{_CERTIFIED}.sv": _UPSETS} if upset else None,
     )
-    return replace(proof, edits={f"{_CERTIFIED}.sv": _UPSETS} if upset else {})
 
 
 def certified_proofs() -> tuple[SbyProof, ...]:
@@ -188,7 +186,9 @@ def _apart(name: str, width: int, margin: int, nine: bool) -> SbyProof:
 
 
 def _multiply() -> SbyProof:
-    proof = harness_proof(
+    ports = (("DspPortA = 25", "DspPortA = 4"), ("DspPortB = 18", "DspPortB = 3"))
+    ports += (("NarrowBits = 5", "NarrowBits = 2"),)
+    return harness_proof(
         "multiply_small",
         "The multiplier gives the product of its operands at the documented latency, whole and split into "
         "three or four pieces, straight and swapped.",
@@ -200,10 +200,8 @@ def _multiply() -> SbyProof:
             "that small operands are split",
         ),
         window=True,
+        edits={"core/triaxis_pkg.sv": ports},
     )
-    ports = (("DspPortA = 25", "DspPortA = 4"), ("DspPortB = 18", "DspPortB = 3"))
-    ports += (("NarrowBits = 5", "NarrowBits = 2"),)
-    return replace(proof, edits={"core/triaxis_pkg.sv": ports})
 
 
 def core_proofs() -> tuple[SbyProof, ...]:

@@ -1,7 +1,5 @@
 """The mesh engine's proofs: of its walks and checks, meshes in memory, queues, and what a run says."""
 
-from dataclasses import replace
-
 from triaxis.verif.formal.proof import WIDTH, SbyProof, harness_proof
 
 # The engine, from its top down to what it compares.
@@ -42,7 +40,13 @@ def _skip(name: str, width: int, whole: bool) -> SbyProof:
 
 
 def _walk() -> SbyProof:
-    proof = harness_proof(
+    few = {
+        "mesh/triaxis_walk.sv": (("QueueDepth = 16", "QueueDepth = 4"),),
+        "mesh/triaxis_mesh.sv": (
+            ("CoreLatency = Certify ? certified_latency(W, M) : core_latency(W, M);", "CoreLatency = 2;"),
+        ),
+    }
+    return harness_proof(
         "engine_walk",
         "For all time and under every pattern of stalls, aborts and resets: of a run that is said to be "
         "complete each pair of triangles was handed to the core, once, or again in a narrower zone, with "
@@ -67,14 +71,8 @@ def _walk() -> SbyProof:
             "a clock as long as verdicts are taken at once: `streams`, `certified`",
         ),
         beside=("triaxis_mesh_surroundings",),
+        edits=few,
     )
-    few = {
-        "mesh/triaxis_walk.sv": (("QueueDepth = 16", "QueueDepth = 4"),),
-        "mesh/triaxis_mesh.sv": (
-            ("CoreLatency = Certify ? certified_latency(W, M) : core_latency(W, M);", "CoreLatency = 2;"),
-        ),
-    }
-    return replace(proof, edits=few)
 
 
 def _checks() -> SbyProof:
@@ -133,7 +131,7 @@ _PARITY_UPSETS = (
 
 
 def _parity(name: str, pieces: int, words: int) -> SbyProof:
-    proof = harness_proof(
+    return harness_proof(
         name,
         f"For all time: of a memory of words of {pieces} pieces a word that is read as it was written, where "
         "it was, is intact; with any one bit of it, of its parity, of the address that it is read at or of "
@@ -141,9 +139,9 @@ def _parity(name: str, pieces: int, words: int) -> SbyProof:
         ("mesh/triaxis_parity_ram", "mesh/triaxis_ram"),
         {"Pieces": pieces, "PieceWidth": WIDTH, "Words": words},
         6,
-    )
-    return replace(
-        proof, assumptions=(), cover_from_reset=False, edits={"mesh/triaxis_parity_ram.sv": _PARITY_UPSETS}
+        resets=False,
+        edits={"mesh/triaxis_parity_ram.sv": _PARITY_UPSETS},
+        cover_from_reset=False,
     )
 
 
@@ -156,7 +154,7 @@ _ANY_CRC = (
 
 
 def _scrub() -> SbyProof:
-    proof = harness_proof(
+    return harness_proof(
         "engine_scrub",
         "For all time and under every pattern of loads, pauses and resets: a mesh is scrubbed a triangle a "
         "clock, in order, over and over from the last load on, so each within as many of these clocks as "
@@ -174,8 +172,8 @@ def _scrub() -> SbyProof:
             "what is read: `engine_signature`",
         ),
         harness="triaxis_scrub_formal",
+        edits={"mesh/triaxis_mesh_scrub.sv": _ANY_CRC},
     )
-    return replace(proof, edits={"mesh/triaxis_mesh_scrub.sv": _ANY_CRC})
 
 
 def engine_proofs() -> tuple[SbyProof, ...]:
@@ -198,17 +196,15 @@ def engine_proofs() -> tuple[SbyProof, ...]:
             ("while a mesh is scrubbed no run reads: `engine_walk`",),
             window=True,
         ),
-        replace(
-            harness_proof(
-                "engine_intakes",
-                "For all time and under every pattern of loads and resets: the two intakes of a mesh, "
-                "whatever their registers begin with, show no difference but where one is misread; that is "
-                "told.",
-                _STORE,
-                {"W": WIDTH, "Depth": 16, "Group": 4, "Lanes": 2},
-                8,
-                harness="triaxis_intakes_formal",
-            ),
+        harness_proof(
+            "engine_intakes",
+            "For all time and under every pattern of loads and resets: the two intakes of a mesh, "
+            "whatever their registers begin with, show no difference but where one is misread; that is "
+            "told.",
+            _STORE,
+            {"W": WIDTH, "Depth": 16, "Group": 4, "Lanes": 2},
+            8,
+            harness="triaxis_intakes_formal",
             # As many clocks as a triangle is under way, and one.
             depth=4,
         ),
@@ -225,16 +221,14 @@ def engine_proofs() -> tuple[SbyProof, ...]:
             window=True,
             harness="triaxis_signature_formal",
         ),
-        replace(
-            harness_proof(
-                "engine_memory",
-                "For all time: a word that is read of a memory is the one that was written last at its "
-                "address, and stays until the next read.",
-                ("mesh/triaxis_ram",),
-                {"Width": 9 * WIDTH, "Words": 4096},
-                6,
-            ),
-            assumptions=(),
+        harness_proof(
+            "engine_memory",
+            "For all time: a word that is read of a memory is the one that was written last at its "
+            "address, and stays until the next read.",
+            ("mesh/triaxis_ram",),
+            {"Width": 9 * WIDTH, "Words": 4096},
+            6,
+            resets=False,
             cover_from_reset=False,
         ),
         _parity("engine_parity", 9, 4096),

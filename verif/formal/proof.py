@@ -177,6 +177,10 @@ def run_prover(command: Sequence[str], folder: Path, log: Path) -> int:
     return run_limited(command, log, folder, {**os.environ, "PATH": path})
 
 
+# Of files of dut/, by their names: what of a copy gives way to what.
+Edits = Mapping[str, tuple[tuple[str, str], ...]]
+
+
 class Method(StrEnum):
     """How assertions are proved."""
 
@@ -193,9 +197,8 @@ class SbyProof(Proof):
 
     ``clocks``: those in which everything to be covered is reached, and all that a window has, whose last one
     is checked: were that too early for anything to be asserted, it would be for what is covered, too.
-    ``depth``: the k of the induction. ``edits``: what the copy of a file has otherwise, (old, new) by file
-    name. ``cover_from_reset``: else covers begin in any state that the assertions allow; only the harness's
-    own registers begin as it says.
+    ``depth``: the k of the induction. ``cover_from_reset``: else covers begin in any state that the
+    assertions allow; only the harness's own registers begin as it says.
     """
 
     parameters: Mapping[str, int]
@@ -204,7 +207,7 @@ class SbyProof(Proof):
     formal_files: tuple[str, ...]
     clocks: int
     depth: int = 1
-    edits: Mapping[str, tuple[tuple[str, str], ...]] = field(default_factory=dict)
+    edits: Edits = field(default_factory=dict)
     cover_from_reset: bool = True
 
     def attempt(self, dut: Path, folder: Path) -> Finding:
@@ -312,11 +315,15 @@ def harness_proof(
     window: bool = False,
     beside: tuple[str, ...] = (),
     harness: str | None = None,
+    resets: bool = True,
+    depth: int = 1,
+    edits: Edits | None = None,
+    cover_from_reset: bool = True,
 ) -> SbyProof:
     """Return a proof of the first module, in a formal harness: by induction, or over a window of clocks.
 
     ``beside``: files of rtl/ that the harness needs. ``harness``: its module, where it is not called as the
-    first module.
+    first module. ``resets``: whether it resets that module, in an induction. The others: see `SbyProof`.
     """
     top = harness or f"{Path(modules[0]).name}_formal"
     packages = ["core/triaxis_pkg"]
@@ -326,5 +333,6 @@ def harness_proof(
         name=name, claim=claim, method=Method.WINDOW if window else Method.INDUCTION, top=top,
         dut_files=tuple(f"{module}.sv" for module in (*packages, *reversed(modules))),
         formal_files=(*(f"{file}.sv" for file in beside), f"{top}.sv"), parameters=parameters,
-        assumptions=assumptions if window else (_RESET, *assumptions), clocks=clocks,
+        assumptions=(_RESET, *assumptions) if resets and not window else assumptions, clocks=clocks,
+        depth=depth, edits=edits or {}, cover_from_reset=cover_from_reset,
     )  # fmt: skip
