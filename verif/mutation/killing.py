@@ -162,7 +162,7 @@ class Hunt:
         models = [self._model(mutant.id, library, self.numbers[mutant.id]) for mutant in alive]
         original = Model(_ORIGINAL, str(library))
         with self.timeline.span(f"{stage.name}: {len(alive)} in one library"):
-            self._try(stage, models, original, {test.test for test in stage.tests}, [original])
+            self._try(stage, models, original, set(), beside=True)
 
     def built(self, stage: Stage, mutants: Sequence[Mutant]) -> None:
         """Try mutants that need a library each; one that is elaborated to what the original is needs none.
@@ -238,14 +238,13 @@ class Hunt:
                 self._progress(1)
 
     def _try(
-        self, stage: Stage, models: Sequence[Model], original: Model, passed: set[str],
-        beside: Sequence[Model] = (),
-    ) -> None:  # fmt: skip
+        self, stage: Stage, models: Sequence[Model], original: Model, passed: set[str], beside: bool = False
+    ) -> None:
         """Let the tests run on the models, in as many simulators as there are jobs.
 
-        What a test notices counts where the original passes it. ``passed``: the tests of which that is known,
-        or soon will be, as the original is ``beside`` the models; it is given the others that notice
-        something, afterwards: on a slow model those are few of all tests.
+        What a test notices counts where the original passes it. ``passed``: the tests of which that is known.
+        The original runs ``beside`` the models, or, with the others that notice something, afterwards: on a
+        slow model those are few of all tests.
         """
         if self._ended.is_set():
             return
@@ -256,8 +255,7 @@ class Hunt:
         excused = [model for model in models if model.name in self.excused]
         others = [model for model in models if model.name not in self.excused]
         brief = tuple(test for test in stage.tests if test.test in _OF_ALL_KINDS) or stage.tests
-        # The original goes first: where it fails, nothing else is believed.
-        shares = [(list(beside), stage.tests)]
+        shares = [([original] if beside else [], stage.tests)]
         shares += [(others[number :: self.jobs], stage.tests) for number in range(self.jobs)]
         with temporary() as folder:
             verdicts: list[Verdict] = []
@@ -265,11 +263,12 @@ class Hunt:
             try:
                 self._simulate(folder, [*shares, (excused, brief)], verdicts)
                 noticing = {verdict.test for verdict in verdicts if verdict.symptom} - passed
-                tests = tuple(test for test in stage.tests if test.test in noticing)
+                tests = tuple(test for test in stage.tests if test.test in noticing and not beside)
                 self._simulate(folder, [([original], tests)] if tests else [], verdicts)
                 self._note(stage, [verdict for verdict in verdicts if verdict.name == _ORIGINAL])
-                passed |= noticing
             finally:
+                of_original = [one for one in verdicts if one.name == _ORIGINAL]
+                passed |= {one.test for one in of_original if not (one.symptom or one.trouble)}
                 self._note(stage, [one for one in verdicts if one.test in passed or not one.symptom])
                 self.store.save()
 

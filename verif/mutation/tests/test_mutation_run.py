@@ -706,8 +706,11 @@ def hunt(seed, progress=lambda _: None):
         (None, KeyboardInterrupt, {"m/1": "TouchingTest"}),
     ],
 )
-def test_what_a_test_notices_counts_where_the_original_passes_it(seed, monkeypatch, original, error, killed):
-    """Of two tests the original is known to pass one; asked about the other, it says this, or never does."""
+@pytest.mark.parametrize("beside", [False, True])
+def test_what_a_test_notices_counts_where_the_original_passes_it(
+    seed, monkeypatch, beside, original, error, killed
+):
+    """Of two tests the original passes one; asked about the other, it says this, or never does."""
     known, other = (replace(MAIN.tests(seed)[0], test=name) for name in ("TouchingTest", "MixedTest"))
     symptoms = {("m/1", known.test): "wrong", ("m/2", other.test): "wrong", (ORIGINAL, other.test): original}
 
@@ -721,9 +724,9 @@ def test_what_a_test_notices_counts_where_the_original_passes_it(seed, monkeypat
 
     monkeypatch.setattr(killing, "run_trials", simulate)
     hunting, stage = hunt(seed), killing.Stage(MAIN, (known, other))
-    models, passed = [Model("m/1", ""), Model("m/2", "")], {known.test}
+    models, passed = [Model("m/1", ""), Model("m/2", "")], set() if beside else {known.test}
     with pytest.raises(error) if error else nullcontext():
-        hunting._try(stage, models, Model(ORIGINAL, ""), passed)
+        hunting._try(stage, models, Model(ORIGINAL, ""), passed, beside)
     assert {name: how.test for name, how in hunting.killed.items()} == killed
     assert passed == ({known.test} if error else {known.test, other.test})
 
