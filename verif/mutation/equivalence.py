@@ -63,7 +63,7 @@ from triaxis.verif.mutation.builds import (
 )
 from triaxis.verif.mutation.mutant import Mutant
 from triaxis.verif.mutation.schema import copy_rtl
-from triaxis.verif.mutation.targets import EngineTarget, Target
+from triaxis.verif.mutation.targets import TARGETS, EngineTarget, Target
 from triaxis.verif.mutation.twins import paired, split
 from triaxis.verif.testbench.rtl_package import Package
 
@@ -360,24 +360,24 @@ def _broken(proofs: Iterable[Proof], mutant: Mutant | None, dut: Path) -> str | 
 def same_model(entry: Equivalent, mutants: Sequence[Mutant], dut: Path = DUT) -> str | None:
     """Compare the models of the engine with each mutant and without; return what is wrong, None if nothing.
 
-    With the stand-in for the core's data path. That those of all targets are the same is seen where the
-    mutants are played: none is built.
+    At that size and in the targets, with the stand-in for the core's data path.
     """
     if entry.module != "triaxis_mesh" or set(entry.parameters) != _SIZES:
         return f"{entry.mutants[0]}: model: needs triaxis_mesh with {', '.join(sorted(_SIZES))}"
     sizes = entry.parameters
     configuration = MeshConfiguration(sizes["W"], sizes["M"], sizes["Depth"], sizes["Group"], sizes["Lanes"])
-    target = EngineTarget(configuration, exact_core=True)
-    original = elaboration_hash(target, dut, False)
-    for mutant in mutants:
-        with temporary() as folder:
-            _copy(dut, folder / "dut", mutant)
-            try:
-                same = elaboration_hash(target, folder / "dut", False) == original
-            except ElaborationError as error:
-                return f"{mutant.id}: not equivalent in {target.name}: {error}"
-        if not same:
-            return f"{mutant.id}: another model in {target.name}"
+    targets = (configuration, *(one.configuration for one in TARGETS if type(one) is EngineTarget))
+    for target in (EngineTarget(of, exact_core=True) for of in targets):
+        original = elaboration_hash(target, dut, False)
+        for mutant in mutants:
+            with temporary() as folder:
+                _copy(dut, folder / "dut", mutant)
+                try:
+                    same = elaboration_hash(target, folder / "dut", False) == original
+                except ElaborationError as error:
+                    return f"{mutant.id}: not equivalent in {target.name}: {error}"
+            if not same:
+                return f"{mutant.id}: another model in {target.name}"
     return None
 
 

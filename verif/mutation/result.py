@@ -5,7 +5,7 @@ that kills mutants are the same, and runs the mutants otherwise.
 """
 
 from collections import Counter
-from collections.abc import Collection, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from datetime import UTC, datetime
 from pathlib import Path
@@ -18,7 +18,7 @@ from triaxis.sim.paths import DUT
 from triaxis.sim.player import ASSERTION
 from triaxis.verif.mutation.builds import FOLDER
 from triaxis.verif.mutation.equivalence import FILE as EQUIVALENTS
-from triaxis.verif.mutation.equivalence import evidence_hash, read_equivalents
+from triaxis.verif.mutation.equivalence import NOTICED, evidence_hash, read_equivalents
 from triaxis.verif.mutation.killers import KILLERS, killers_hash
 from triaxis.verif.mutation.outcomes import Killed, Outcome
 from triaxis.verif.mutation.record import FILE as RECORD
@@ -250,7 +250,7 @@ def fates_in(content: Mapping[str, Any], equivalents: Path = EQUIVALENTS) -> lis
     """
     try:
         fates = [Fate(**mutant) for mutant in content["mutants"]]
-        listed = {name for entry in read_equivalents(equivalents) for name in entry.mutants}
+        listed = {name: one.evidence for one in read_equivalents(equivalents) for name in one.mutants}
         wrong = next(filter(None, (_contradiction(fate, listed) for fate in fates)), None)
         wrong = wrong or _miscount(content, fates)
     except (KeyError, TypeError, AttributeError, IndexError) as error:
@@ -260,16 +260,18 @@ def fates_in(content: Mapping[str, Any], equivalents: Path = EQUIVALENTS) -> lis
     return fates
 
 
-def _contradiction(fate: Fate, listed: Collection[str]) -> str | None:
-    """Return what is wrong with a fate, None where nothing is."""
+def _contradiction(fate: Fate, listed: Mapping[str, str]) -> str | None:
+    """Return what is wrong with a fate, by the evidence of those listed; None where nothing is."""
     if fate.fate not in (KILLED, EQUIVALENT, SURVIVING, ABSENT):
         return f"{fate.id}: no such fate: {fate.fate}"
-    if fate.fate == EQUIVALENT and fate.id not in listed:
+    if fate.fate == EQUIVALENT and listed.get(fate.id, NOTICED) == NOTICED:
         return f"{fate.id}: equivalent, but not listed as such"
     if fate.fate != KILLED:
         return None
     if fate.id in listed and fate.by != BY_PROOF:
         return f"{fate.id}: killed, but listed as equivalent"
+    if fate.by == BY_PROOF and listed.get(fate.id) != NOTICED:
+        return f"{fate.id}: killed by a proof, but not listed as such"
     if fate.by not in (RUN, BY_ASSERTION, BY_ELABORATION, BY_PROOF):
         return f"{fate.id}: killed, but by nothing that is known: {fate.by}"
     missing = [name for name in ("test", "target", "symptom") if not getattr(fate, name)]

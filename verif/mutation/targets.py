@@ -155,9 +155,9 @@ class EngineTarget:
         """Return whether this is where mutants of that file of dut/ are looked for."""
         return file.startswith("mesh/")
 
-    def tests(self, seed: int, times: int = 1) -> tuple[RunSettings, ...]:
-        """Return the short tests, with so many times the pairs."""
-        return _runs({test: times * pairs for test, pairs in _MESH_TESTS.items()}, self.name, seed)
+    def tests(self, seed: int) -> tuple[RunSettings, ...]:
+        """Return the short tests."""
+        return _runs(_MESH_TESTS, self.name, seed)
 
     def volume(self, seed: int) -> tuple[RunSettings, ...]:
         """Return the long tests."""
@@ -190,9 +190,9 @@ class BoardTarget(EngineTarget):
         """Return whether this is where mutants of that file of dut/ are looked for."""
         return file.startswith("board/")
 
-    def tests(self, seed: int, times: int = 1) -> tuple[RunSettings, ...]:
-        """Return the short tests, with so many times the replies."""
-        return _runs({test: times * _BOARD_TESTS[test] for test in self.chosen}, self.name, seed)
+    def tests(self, seed: int) -> tuple[RunSettings, ...]:
+        """Return the short tests."""
+        return _runs({test: _BOARD_TESTS[test] for test in self.chosen}, self.name, seed)
 
     def volume(self, seed: int) -> tuple[RunSettings, ...]:
         """Return the long test."""

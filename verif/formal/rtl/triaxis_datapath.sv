@@ -5,7 +5,7 @@
 // verdict of a pair is the lowest nine bits of its first coordinate, datapath_latency(W, M) clocks later.
 // The queue and the handshake only carry verdicts, never look at them, so what holds for verdicts
 // that the input chooses freely holds for any others. That the real data path gives the verdict of a
-// pair after just so many clocks, whatever pairs surround it, is what verif/formal/algebra.py proves.
+// pair after just so many clocks, whatever pairs surround it: `axes_*`.
 
 module triaxis_datapath;
 

@@ -820,6 +820,8 @@ KILL = outcomes.Killed("MixedTest", "w8_m8", "wrong word", 3)
         ({"test": ""}, [], "killed, but without test"),
         ({"target": None}, [], "killed, but without target"),
         ({"by": "belief"}, [], "by nothing that is known"),
+        ({"by": "proof"}, [], "killed by a proof, but not listed as such"),
+        ({"by": "proof"}, None, "killed by a proof, but not listed as such"),
         ({}, None, "killed, but listed as equivalent"),
         ({"fate": "equivalent"}, [], "equivalent, but not listed"),
         ({"fate": "excused"}, [], "no such fate"),
