@@ -77,13 +77,14 @@ def _runs(tests: Mapping[str, int], config: str, seed: int) -> tuple[RunSettings
 class Target:
     """The core in one configuration, or (``combinational``) the wrapper around it, which has no clock.
 
-    Of a target, mutants with a build each are tried by ``quick_tests`` of the short tests on what compiles
-    soonest. For what these leave, and all other tests, it is compiled at ``speed``, with assertions.
+    Of a target, mutants with a build each are tried by the first ``quick_tests`` of the short tests, or all
+    (None), on what compiles soonest. For what these leave, and all other tests, it is compiled at ``speed``,
+    with assertions.
     """
 
     configuration: Configuration
     combinational: bool = False
-    quick_tests: ClassVar[int] = len(_CORE_TESTS)
+    quick_tests: ClassVar[int | None] = None
     speed: ClassVar[str] = QUICK
     clock: ClassVar[str] = "clk_i"
 
@@ -130,7 +131,7 @@ class EngineTarget:
     exact_core: bool = False
 
     combinational = False
-    quick_tests: ClassVar[int] = len(_MESH_TESTS)
+    quick_tests: ClassVar[int | None] = None
     speed: ClassVar[str] = QUICK
     clock: ClassVar[str] = "clk_i"
 
@@ -172,7 +173,7 @@ class BoardTarget(EngineTarget):
 
     configuration: BoardParameters  # pyright: ignore[reportIncompatibleVariableOverride]
     exact_core: bool = True
-    quick_tests: ClassVar[int] = 1
+    quick_tests: ClassVar[int | None] = 1
     speed: ClassVar[str] = MANY
     clock: ClassVar[str] = "clk_100mhz_i"
     chosen: tuple[str, ...] = tuple(_BOARD_TESTS)
