@@ -253,6 +253,8 @@ class SbyProof(Proof):
         for name in self.formal_files:
             text = (RTL / name).read_text(encoding="utf-8")
             (sources / name).write_text(_STAND_IN.sub(lambda found: _header(found[1], dut), text))
+        if unread := sorted(self.edits.keys() - set(self.dut_files)):
+            raise InputError(f"{dut / unread[0]}: edited, but not read, by the proof {self.name}: adapt it")
         for name in self.dut_files:
             text = (dut / name).read_text(encoding="utf-8")
             for old, new in self.edits.get(name, ()):
