@@ -50,7 +50,7 @@ class SceneFailure:
     message: str
     run: ObservedRun
     number: int
-    clock: int | None
+    clock: int
     pairs: int
     blame: Blame = Blame.DESIGN
 
@@ -170,10 +170,6 @@ class SceneChecker:
         aborted = {Status.ABORTED, Status.FIRST} if stops else {Status.ABORTED}
         last = summary.last_abort
         allowed = aborted if any(at <= last for at in run.aborts) else {ends}
-        counted_all = summary.offered_after is not None or summary.cycles < self.configuration.max_cycles
-        if run.aborts and not counted_all:
-            # Where clocks are no longer counted nobody knows which came first.
-            allowed = aborted | {ends}
         if outcome.may_fail:
             allowed = {Status.FAULT} if outcome.fails else allowed | {Status.FAULT}
         if summary.status in allowed:
@@ -184,19 +180,18 @@ class SceneChecker:
     def _pin_problems(self, run: ObservedRun, summary: Summary) -> list[str]:
         found: list[str] = []
         held = (len(run.a), len(run.b))
-        if summary.held is not None and summary.held != held:
+        if summary.held != held:
             found.append(f"{summary.held} triangles held, {held} were given")
         signatures = tuple(expected_signature(mesh, self.configuration.width) for mesh in (run.a, run.b))
-        if summary.signatures is not None and summary.signatures != signatures:
+        if summary.signatures != signatures:
             found.append(f"signatures {summary.signatures}, {signatures} are due")
         overfull = run.overfull[0] | run.overfull[1] << 1
-        if summary.overfull is not None and summary.overfull != overfull:
+        if summary.overfull != overfull:
             found.append(f"overfull {summary.overfull}, {overfull} is due")
         fault = int(summary.status == Status.FAULT)
-        if summary.fault is not None and summary.fault != fault:
+        if summary.fault != fault:
             found.append(f"fault {summary.fault}, {fault} is due with this status")
-        largest = self.configuration.max_cycles
-        if summary.offered_after is not None and summary.cycles != min(summary.offered_after, largest):
+        if summary.cycles != min(summary.offered_after, self.configuration.max_cycles):
             found.append(f"{summary.cycles} cycles, {summary.offered_after} were seen")
         return found
 

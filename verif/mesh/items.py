@@ -207,7 +207,7 @@ class NearTaken:
     """Near pairs (K, 2) as (index in A, index in B); ``wait``: clocks that they waited, at most."""
 
     pairs: Integers
-    wait: int | None = None
+    wait: int = 0
 
 
 @dataclass(frozen=True)
@@ -224,7 +224,7 @@ class Summary:
 
     ``offered_after``: clocks from the run's acceptance until it was offered; ``wait``: clocks that it waited;
     ``held``: triangles held in A and B; ``signatures``: of these; ``overfull``, ``fault``: on the pins;
-    ``clock``: at which it was taken, the first of the run of the test being 0. None: not measured.
+    ``clock``: at which it was taken, the first of the run of the test being 0.
     """
 
     status: int
@@ -235,18 +235,18 @@ class Summary:
     tested: int
     near: int
     zones: int
-    offered_after: int | None = None
-    wait: int | None = None
-    held: tuple[int, int] | None = None
-    signatures: tuple[int, int] | None = None
-    overfull: int | None = None
-    fault: int | None = None
-    clock: int | None = None
+    offered_after: int
+    wait: int
+    held: tuple[int, int]
+    signatures: tuple[int, int]
+    overfull: int
+    fault: int
+    clock: int
 
     @property
     def last_abort(self) -> int:
         """Return the last clock after the run's acceptance at which an abort still had something to end."""
-        return (self.cycles if self.offered_after is None else self.offered_after) - 2
+        return self.offered_after - 2
 
 
 @dataclass
@@ -332,9 +332,3 @@ class ObservedRun:
     def asked_again(self) -> int:
         """Return how often the core was asked about a pair once more."""
         return len(self.asked) - len(self.core_pairs)
-
-    @property
-    def near_wait(self) -> int | None:
-        """Return the longest that a near pair waited; None: none was measured."""
-        waits = [part.wait for part in self.near if part.wait is not None]
-        return max(waits) if waits else None

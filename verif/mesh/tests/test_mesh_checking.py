@@ -10,7 +10,7 @@ from triaxis.sim.mesh_configuration import MeshConfiguration
 from triaxis.sim.mesh_engine import NO_ZONES, Mode, Status, Trial
 from triaxis.verif.core.items import ResetSeen
 from triaxis.verif.mesh.checking import SceneChecker
-from triaxis.verif.mesh.expectation import Memory, tried, walked
+from triaxis.verif.mesh.expectation import Memory, expected_signature, tried, walked
 from triaxis.verif.mesh.items import (
     AbortAsked,
     CorePairs,
@@ -26,6 +26,15 @@ from triaxis.verif.mesh.scoreboard import RunMatcher
 
 CONFIGURATION = MeshConfiguration(16, 16, 64, 4, 2, 8)
 MOVE, MARGIN, COUNTS = (3, -2, 1), 5, (24, 23)
+
+
+def summary_of(a, b, *numbers):
+    """A summary of these numbers, with what else is due where A and B are held."""
+    signatures = expected_signature(a, CONFIGURATION.width), expected_signature(b, CONFIGURATION.width)
+    return Summary(
+        *numbers, offered_after=numbers[1], wait=0, held=(len(a), len(b)), signatures=signatures, overfull=0,
+        fault=0, clock=0,
+    )  # fmt: skip
 
 
 class Bench:
@@ -46,9 +55,9 @@ class Bench:
             self.tested = int((self.core == self.near[0]).all(1).argmax()) + 1
             self.near, self.core = self.near[:1], self.core[: self.tested + 3]
         status = Status.FIRST if mode == Mode.FIRST else Status.COMPLETE
-        self.summary = Summary(
-            status, 200, answer.group_pairs_skipped, answer.group_pairs_opened, answer.pairs_skipped,
-            self.tested, len(self.near), 3, offered_after=200, held=COUNTS, overfull=0,
+        self.summary = summary_of(
+            self.a, self.b, status, 200, answer.group_pairs_skipped, answer.group_pairs_opened,
+            answer.pairs_skipped, self.tested, len(self.near), 3,
         )  # fmt: skip
         if mode == Mode.COUNT:
             self.near = self.near[:0]
@@ -105,7 +114,7 @@ def test_a_memory_comes_to_be_tried_where_the_scan_reads_it_or_scrubbing_does():
 
 def test_gaps_are_those_of_complete_runs():
     run, answer = observed(TRIANGLE + 9)
-    ended = Summary(Status.COMPLETE, 50, 0, 1, 0, 1, 1, 3)
+    ended = summary_of(run.a, run.b, Status.COMPLETE, 50, 0, 1, 0, 1, 1, 3)
     gaps = [row_of(CONFIGURATION, run, replace(ended, status=status), answer).row_gaps for status in Status]
     assert [bool(found) for found in gaps] == [status == Status.COMPLETE for status in Status]
 
@@ -233,8 +242,8 @@ def test_zones_are_those_in_which_something_is(gap, zones, status, right):
     bench.request = replace(bench.request, translation=(0, 0, 0))
     reaches = gap <= max(MARGIN, *zones)
     bench.core, bench.near = (np.zeros((n, 2), np.int64) for n in (int(reaches), 0))
-    counts = {"group_pairs_skipped": 1 - reaches, "group_pairs_opened": int(reaches), "pairs_skipped": 0}
-    end = replace(bench.summary, status=status, near=0, tested=int(reaches), held=(1, 1), **counts)
+    counts = 1 - reaches, int(reaches), 0, int(reaches), 0
+    end = summary_of(bench.a, bench.b, status, 200, *counts, 3)
     aborts = [50] if status == Status.ABORTED else []
     passing = {found for found in range(4) if not bench.said(replace(end, zones=found), aborts=aborts)}
     assert passing == right
@@ -242,7 +251,7 @@ def test_zones_are_those_in_which_something_is(gap, zones, status, right):
 
 def test_what_is_refused_runs_nothing(seed):
     bench = Bench(seed)
-    nothing = Summary(Status.BAD_MODE, 4, 0, 0, 0, 0, 0, 3)
+    nothing = summary_of(bench.a, bench.b, Status.BAD_MODE, 4, 0, 0, 0, 0, 0, 3)
     bench.request = replace(bench.request, mode=3)
     none = bench.near[:0]
     assert bench.said(nothing, none, none) == []
@@ -258,7 +267,7 @@ def test_matching_follows_meshes_limits_and_resets(seed):
     triangles = np.random.default_rng(seed).integers(-9, 9, (6, 3, 3))
     for mesh, clear, part in ((0, True, triangles[:3]), (0, False, triangles[3:]), (1, True, triangles[:2])):
         matcher.load(Loaded(mesh, clear, part))
-    summary = Summary(5, 4, 0, 0, 0, 0, 0, 0)
+    summary = summary_of(triangles, triangles, 5, 4, 0, 0, 0, 0, 0, 0)
     matcher.run(RunAccepted(RunRequest()))
     # At the edge at which the run was accepted, told after it.
     matcher.load(Loaded(1, False, triangles[2:3], with_run=True))
