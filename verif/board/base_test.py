@@ -26,6 +26,7 @@ from triaxis.verif.board.protocol import (
 from triaxis.verif.mesh.expectation import ATTEMPTS
 from triaxis.verif.mesh.items import WHICHES
 from triaxis.verif.testbench.environment import EnvironmentTest, ItemsSequence, create
+from triaxis.verif.testbench.failures import HOPELESS
 
 # Coordinates with bits above them in their bytes, and more near pairs than the displays can show.
 BOARD = "board_w12_m5_d128_g8_l4"
@@ -82,8 +83,9 @@ class BoardTest(EnvironmentTest):
 
     @property
     def unfinished(self) -> bool:
-        """Return whether fewer replies were checked than the test was asked for."""
-        return self.env.scoreboard.reference.replies < self.settings.pairs
+        """Return whether fewer replies were checked than the test was asked for, and may still be."""
+        scoreboard = self.env.scoreboard
+        return scoreboard.reference.replies < self.settings.pairs and scoreboard.failed < HOPELESS
 
     # --- The line -----------------------------------------------------------------------------------------
 
@@ -214,7 +216,8 @@ class BoardTest(EnvironmentTest):
     async def all_results(self) -> None:
         """Take all near pairs of a run, from the first on."""
         first = 0
-        while True:
+        # Of a run that never ends each question is a failure.
+        while self.env.scoreboard.failed < HOPELESS:
             reply = await self.results(first)
             if reply is None or reply.code != Code.OK:
                 return

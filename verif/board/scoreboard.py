@@ -10,11 +10,9 @@ from triaxis.sim.simulated_board import BEAT, BEGIN, LIT, PINS, RESET, RX, RX_BR
 from triaxis.verif.board.line_agent import Seen
 from triaxis.verif.board.reference import REPLIED, BoardReference
 from triaxis.verif.testbench.environment import CountingScoreboard, Export, settings_of
-from triaxis.verif.testbench.failures import Blame, report_failure
+from triaxis.verif.testbench.failures import DESCRIBED, Blame, report_failure
 from triaxis.verif.testbench.reports import ERROR, report
 
-# How many failures are described in full.
-_DESCRIBED = 10
 # Clocks between a byte that is seen on the line and what the pins say of it: it goes through synchroniser,
 # SLIP and frame.
 _HEARD = 4
@@ -57,7 +55,7 @@ class BoardScoreboard(CountingScoreboard):
         """Note that something is wrong."""
         self.failed += 1
         report_failure(what, self.reference.replies)
-        if len(self.failures) < _DESCRIBED:
+        if len(self.failures) < DESCRIBED:
             self.failures.append((what, self.reference.clock))
 
     def see(self, seen: Seen) -> None:

@@ -22,11 +22,9 @@ from triaxis.sim.configuration import Configuration
 from triaxis.sim.result import claimed_axes, decode
 from triaxis.verif.core.expectation import expected_words, tried_words
 from triaxis.verif.core.items import Integers, PairBatch, ResultBatch
-from triaxis.verif.testbench.failures import Blame, report_failure
+from triaxis.verif.testbench.failures import DESCRIBED, Blame, report_failure
 from triaxis.verif.testbench.golden_sample import EVERYTHING, GoldenSample, Share
 
-# Failures described in full; beyond that they are only counted.
-DESCRIBED = 10
 # Pairs that came before a failing one, kept with it: a fault may need them. More than any latency.
 _CONTEXT = 64
 

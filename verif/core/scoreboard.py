@@ -11,11 +11,11 @@ from pathlib import Path
 
 from pyuvm import uvm_analysis_port
 
-from triaxis.verif.core.checking import DESCRIBED, Checker, Failure
+from triaxis.verif.core.checking import Checker, Failure
 from triaxis.verif.core.failing_pairs import write_failing_pairs
 from triaxis.verif.core.items import PairBatch, ResetSeen, ResultBatch
 from triaxis.verif.testbench.environment import WORKER, CountingScoreboard, Export, settings_of
-from triaxis.verif.testbench.failures import Blame, report_failure
+from triaxis.verif.testbench.failures import DESCRIBED, Blame, report_failure
 from triaxis.verif.testbench.reports import ERROR, report
 from triaxis.verif.testbench.settings import failure_file
 

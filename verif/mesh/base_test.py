@@ -6,6 +6,7 @@ from triaxis.verif.mesh.items import Scene
 from triaxis.verif.mesh.sequences import SceneSequence
 from triaxis.verif.mesh.shapes import Shapes
 from triaxis.verif.testbench.environment import EnvironmentTest, create
+from triaxis.verif.testbench.failures import HOPELESS
 
 # Clocks after the last summary in which anything too many would show.
 _SURPLUS_CYCLES = 64
@@ -64,5 +65,6 @@ class MeshEngineTest(EnvironmentTest):
 
     @property
     def unfinished(self) -> bool:
-        """Return whether fewer pairs were accounted for than the test was asked for."""
-        return self.env.scoreboard.checker.pairs < self.settings.pairs
+        """Return whether fewer pairs were accounted for than the test was asked for, and may still be."""
+        scoreboard = self.env.scoreboard
+        return scoreboard.checker.pairs < self.settings.pairs and scoreboard.failed < HOPELESS

@@ -31,10 +31,8 @@ from triaxis.verif.mesh.expectation import (
 )
 from triaxis.verif.mesh.items import Integers, ObservedRun, Summary
 from triaxis.verif.mesh.sampling import row_of
-from triaxis.verif.testbench.failures import Blame, ends_at_first, report_failure
+from triaxis.verif.testbench.failures import DESCRIBED, Blame, ends_at_first, report_failure
 
-# Failures described in full; beyond that they are only counted.
-DESCRIBED = 10
 _NO_MESH = np.empty((0, 3, 3), np.int64)
 # Pairs of a run that the golden model judges at most, near ones and others each.
 _JUDGED = 4

@@ -18,7 +18,7 @@ from triaxis.verif.mesh.items import (
     Summary,
 )
 from triaxis.verif.testbench.environment import CountingScoreboard, Export, settings_of
-from triaxis.verif.testbench.failures import Blame, report_failure
+from triaxis.verif.testbench.failures import DESCRIBED, Blame, report_failure
 from triaxis.verif.testbench.reports import ERROR, report
 
 _EMPTY = np.empty((0, 3, 3), np.int64)
@@ -120,10 +120,6 @@ class RunMatcher:
             mesh.empty()
 
 
-# How many transactions that belong to no run are named.
-_SHOWN = 10
-
-
 class MeshScoreboard(CountingScoreboard):
     """Puts runs together from what all monitors say, and has each checked; fails the test in check_phase.
 
@@ -147,10 +143,14 @@ class MeshScoreboard(CountingScoreboard):
         # Runs and triangles that the drivers were given, which the test says at its end.
         self.runs_sent = self.triangles_sent = 0
 
+    @property
+    def failed(self) -> int:
+        """Return how many failures there are so far."""
+        return self.checker.failed + len(self.matcher.stray)
+
     def check_phase(self) -> None:
         """Write the counts, and fail where anything did."""
         checker, matcher = self.checker, self.matcher
-        failed = checker.failed + len(matcher.stray)
         counts = {
             "sent": self.runs_sent,
             "runs": checker.runs,
@@ -165,18 +165,18 @@ class MeshScoreboard(CountingScoreboard):
             "tested": checker.tested,
             "near": checker.near,
             "judged_by_golden_model": checker.judged,
-            "failed": failed,
+            "failed": self.failed,
             "failures": [
                 *(one.record() for one in checker.failures),
-                *({"blame": Blame.TEST, "message": stray} for stray in matcher.stray[:_SHOWN]),
+                *({"blame": Blame.TEST, "message": stray} for stray in matcher.stray[:DESCRIBED]),
             ],
         }
         self.write_counts(counts)
-        messages = [*map(_described, checker.failures), *matcher.stray[:_SHOWN]]
+        messages = [*map(_described, checker.failures), *matcher.stray[:DESCRIBED]]
         for message in messages:
             report(ERROR, message, "SCOREBOARD")
-        if failed:
-            raise AssertionError(f"{failed} failures, first: {messages[0]}")
+        if self.failed:
+            raise AssertionError(f"{self.failed} failures, first: {messages[0]}")
         if matcher.resets != self.resets_sent:
             raise AssertionError(f"{self.resets_sent} resets sent, {matcher.resets} seen")
         if matcher.unfinished:

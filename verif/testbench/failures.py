@@ -3,6 +3,11 @@
 from collections.abc import Callable
 from enum import StrEnum
 
+# Failures that a scoreboard describes in full; beyond that they are only counted.
+DESCRIBED = 10
+# After so many no test goes on until enough has come out right: it may never.
+HOPELESS = 100
+
 
 class Blame(StrEnum):
     """What a failure that a scoreboard found speaks against."""
