@@ -28,6 +28,7 @@ from triaxis.verif.board.protocol import (
     END,
     HEAD,
     LOADED,
+    LONGEST,
     MOST_ERRORS,
     MOST_TRIANGLES,
     RING,
@@ -94,6 +95,8 @@ class BoardReference:
         self.runs = self.gos = self.resets = 0
         self._numbers = count()
         self._untold = REPLIED + parameters.clocks_per_three_bits // 6 + 1
+        # No reply takes longer: its bytes, were all of them escaped, and both ENDs.
+        self._longest = (2 * LONGEST + 2) * (10 * parameters.clocks_per_three_bits // 3 + 1)
         self.pins = Pins(0b1010)
         self.beat_level = False
         # The clock, and the one in which the last frame had come.
@@ -108,7 +111,7 @@ class BoardReference:
         self.held: Frame | None = None
         self._answered: Frame | None = None
         self._line = bytearray()
-        self._spoke = 0
+        self._spoke = self._begun = 0
         self._replying = self._opened = False
         self._due: Due | None = None
         self.session = self.sequence = self.command = 0
@@ -531,8 +534,11 @@ class BoardReference:
 
     def begin(self) -> None:
         """Take the beginning of a reply: two clocks before its first bit its frame has been executed."""
+        self.finish()
         frame, self.held = self.held, None
         self._replying, self._opened, self._line = True, False, bytearray()
+        self._begun = begun = next(self._numbers)
+        self._at(self.clock + self._longest, lambda _: self.finish() if self._begun == begun else None)
         if frame is None:
             self._wrong("a reply that nothing asked for")
             return
@@ -673,6 +679,12 @@ class BoardReference:
             pending()
 
     _pending: Callable[[], None] | None = None
+
+    def finish(self) -> None:
+        """Nothing more comes of the reply that was under way."""
+        if self._replying:
+            self._wrong("a reply does not end")
+            self._replying = False
 
     def _answer(self, frame: Frame, code: Code) -> None:
         """Make out what the reply must be, from the state as it is."""

@@ -86,6 +86,12 @@ class BoardOtherReplyTest(_SabotagedTest):
     kind, which, falsify = TX, range(110, 111), _changed("value", lambda byte: byte ^ 1)
 
 
+class BoardReplyCutTest(_SabotagedTest):
+    """From some byte on nothing of any reply is seen but that it begins."""
+
+    kind, which, falsify = TX, range(110, 1 << 30), _lost
+
+
 class BoardReplyUnaskedTest(_SabotagedTest):
     """A reply begins twice."""
 

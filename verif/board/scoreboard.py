@@ -135,6 +135,7 @@ class BoardScoreboard(CountingScoreboard):
         if self._pins:
             self._take(self._pins.clock)
         reference = self.reference
+        reference.finish()
         counts = {
             "sent": reference.replies,
             "accepted": reference.replies,

@@ -23,6 +23,7 @@ SAID = {
     "BoardPinsLostTest": "is due",
     "BoardByteLostTest": "a reply that nothing asked for",
     "BoardOtherReplyTest": "bad CRC",
+    "BoardReplyCutTest": "a reply does not end",
     "BoardReplyUnaskedTest": "a reply that nothing asked for",
     "BoardReplyLostTest": "is due",
     "BoardBeatLostTest": "the beat is",
