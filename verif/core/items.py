@@ -78,10 +78,9 @@ class BurstItem(uvm_sequence_item):
         gaps: Pace = FULL_SPEED,
         stalls: Pace | None = None,
         attempts: npt.NDArray[np.integer[Any]] | None = None,
-        name: str = "burst",
     ) -> None:
         """Hold the arrays."""
-        super().__init__(name)
+        super().__init__("burst")
         self.pairs = pairs
         self.margins = margins
         self.gaps = gaps

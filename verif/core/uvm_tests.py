@@ -18,12 +18,7 @@ from triaxis.verif.core.sequences import (
     item_pairs,
     of_families,
 )
-from triaxis.verif.core.stimulus.families import (
-    FAMILIES,
-    TOUCHING,
-    mixed,
-    mixture,
-)
+from triaxis.verif.core.stimulus.families import FAMILIES, TOUCHING, mixed, mixture
 from triaxis.verif.core.stimulus.seed_vectors import seed_vectors
 from triaxis.verif.core.stimulus.stimulus import Stimulus
 from triaxis.verif.core.stimulus.symmetry import all_orders

@@ -31,10 +31,9 @@ class LoadItem(uvm_sequence_item):
         triangles: npt.NDArray[np.integer[Any]],
         gaps: Pace = FULL_SPEED,
         clear: bool = True,
-        name: str = "load",
     ) -> None:
         """Hold the triangles."""
-        super().__init__(name)
+        super().__init__("load")
         self.mesh = mesh
         self.triangles = triangles
         self.gaps = gaps
@@ -100,9 +99,9 @@ class RunItem(uvm_sequence_item):
     from its acceptance until its summary was taken; the driver's answer.
     """
 
-    def __init__(self, request: RunRequest, traffic: RunTraffic | None = None, name: str = "run") -> None:
+    def __init__(self, request: RunRequest, traffic: RunTraffic | None = None) -> None:
         """Hold the request."""
-        super().__init__(name)
+        super().__init__("run")
         self.request = request
         self.traffic = traffic or RunTraffic()
         self.following: RunItem | None = None
