@@ -10,19 +10,18 @@ from triaxis.sim.packing import WHICH_BITS, attempts_of
 from triaxis.verif.core.items import FULL_SPEED, BurstItem, Integers, Pace
 from triaxis.verif.core.stimulus.stimulus import Family, Stimulus, divided, joined
 from triaxis.verif.testbench.environment import WORKER, ItemsSequence
-from triaxis.verif.testbench.settings import BURST, RunSettings
+from triaxis.verif.testbench.settings import PIN, RunSettings
 
 # Pairs in one item, for each agent. The pin agent has a Python step for each pair anyway; the burst agent
 # has a fixed cost an item, and the caches of the machine set the upper end.
-ITEM_PAIRS = {BURST: 1 << 15}
-_PIN_PAIRS = 1 << 10
+_BURST_PAIRS, _PIN_PAIRS = 1 << 15, 1 << 10
 # Items made ahead of the one that is sent.
 _AHEAD = 2
 
 
 def item_pairs(settings: RunSettings) -> int:
     """Return how many pairs go into an item."""
-    return ITEM_PAIRS.get(settings.agent, _PIN_PAIRS)
+    return _PIN_PAIRS if settings.agent == PIN else _BURST_PAIRS
 
 
 class ArraySequence(ItemsSequence):

@@ -60,7 +60,8 @@ _MOST_SCENES = 10 * _LEAST_SCENES
 # A run of mode all is complete; what is none of them is refused.
 _EVERY_MODE = (Mode.ALL, Mode.COUNT, Mode.FIRST, 3)
 # Of the attempts of the core, which has a test of its own, one in so many; a reset in place of an
-# acknowledgement. Clocks that scrubbing takes, besides one a triangle. Scenes in which much is tested.
+# acknowledgement. Clocks that scrubbing takes, besides one a triangle. Scenes in which much is tested, so
+# that the scan has something to do everywhere.
 _SOME_OF, _RESET_ONE_IN, _SCRUB_LATENCY = 5, 6, 8
 _MIXED = ("in_one_place", "clusters", "cloud", "one_contact")
 # Scenes that rows decide, or groups, or boxes: what comes later is not used, and the core is not asked.
@@ -215,8 +216,7 @@ class MeshLimitsTest(MeshEngineTest):
 class MeshAbortTest(MeshEngineTest):
     """An abort at every clock of short runs, and at places all over long ones; the next run is whole."""
 
-    # Those in which the scan has something to do everywhere, and those that fill all queues.
-    kinds = ("in_one_place", "clusters", "cloud", "one_contact")
+    # Scenes that fill all queues.
     crowded = ("in_one_place", "clusters", "late_contacts", "every_other")
 
     async def stimulus(self) -> None:
@@ -229,10 +229,8 @@ class MeshAbortTest(MeshEngineTest):
 
     async def sweep(self) -> None:
         """Abort one scene in each mode, the refused one too."""
-        group = self.configuration.group
-        counts = (group + 1, min(2 * group, self.configuration.depth))
-        counts = (min(counts[0], self.configuration.depth), counts[1])
-        scene = random_scene(self.shapes, True, counts, self.kinds)
+        group, depth = self.configuration.group, self.configuration.depth
+        scene = random_scene(self.shapes, True, (min(group + 1, depth), min(2 * group, depth)), _MIXED)
         request = scene.runs[0][0]
         for mode in _EVERY_MODE:
             asked = replace(request, mode=int(mode))
@@ -258,7 +256,7 @@ class MeshAbortTest(MeshEngineTest):
         if length < most:
             return list(range(length + 1))
         some = self.rng.integers(0, length + 1, most).tolist()
-        return sorted({0, 1, 2, 3, length - 2, length - 1, *some} - {-1})
+        return sorted({0, 1, 2, 3, length - 2, length - 1, *some})
 
     def aborted(self, request: RunRequest, at: int) -> tuple[RunRequest, RunTraffic]:
         """Return the run with an abort, now and then with several, and one before it."""
