@@ -148,7 +148,11 @@ def finished(folder: Path, settings: RunSettings, clock: int | None = None) -> P
     held = signals_in(dump)
     if settings.waves == "fst":
         whole = dump.with_suffix(".fst")
-        subprocess.run([_CONVERTER, dump.name, whole.name], cwd=folder, check=True, capture_output=True)
+        command = [_CONVERTER, dump.name, whole.name]
+        ran = subprocess.run(command, cwd=folder, check=False, capture_output=True, text=True)
+        if ran.returncode:
+            why = (ran.stderr.strip() or f"exit code {ran.returncode}").splitlines()[-1]
+            raise InputError(f"{dump}: {_CONVERTER} cannot convert it: {why}: is the disk full? take vcd")
         dump.unlink()
         dump = whole
     marked, start = _CLOCK * (clock or 0), _CLOCK * max(0, (clock or 0) - _BEFORE)

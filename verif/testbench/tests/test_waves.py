@@ -56,6 +56,17 @@ def test_what_leaves_no_waves_is_refused(monkeypatch):
         check_waves("fst", PIN, VERILATOR)
 
 
+def test_a_conversion_that_fails_is_told(tmp_path, monkeypatch):
+    (tmp_path / "waves.vcd").write_text(HEADER)
+    converter = tmp_path / "converter"
+    converter.write_text("#!/bin/sh\necho no space >&2\nexit 1\n")
+    converter.chmod(0o755)
+    monkeypatch.setattr(waves, "_CONVERTER", str(converter))
+    settings = run_settings("RandomTest", "w16_m0", 1, 1, folder=tmp_path, waves="fst")
+    with pytest.raises(InputError, match=r"waves\.vcd: .* cannot convert it: no space"):
+        finished(tmp_path, settings)
+
+
 @pytest.mark.long
 @pytest.mark.simulator
 @pytest.mark.parametrize(
