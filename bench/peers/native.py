@@ -31,6 +31,7 @@ _CGAL_PROBE = "#include <CGAL/version.h>\nCGAL_VERSION_NR\n"
 _INSTALL_CGAL = "install libcgal-dev (Debian), or set CPLUS_INCLUDE_PATH"
 _INSTALL_FCL = "install libfcl-dev and pkg-config (Debian), or set PKG_CONFIG_PATH"
 _VOLUMES = ("OBB", "OBBRSS", "AABB")
+_MOST_PAIRS = 1 << 26
 _POINTER, _LONG, _KIND = ctypes.c_void_p, ctypes.c_int64, ctypes.c_int
 
 
@@ -131,16 +132,13 @@ def _fcl_version() -> str:
 def _fcl_meshes(kind: int, a: Reals, b: Reals) -> Question:
     """Return FCL's collision of two trees of bounding volumes of a kind, without contact points."""
     trees = _Loaded(_fcl(), kind, a, b)
-    # As many as there were the last time: FCL's own list is the result, the copy is for us.
-    room = 1 << 10
 
     def ask() -> npt.NDArray[np.int64]:
-        nonlocal room
-        pairs = np.empty((room, 2), np.int32)
+        # Room for all, so that it is asked once: memory that nobody writes to is not taken.
+        pairs = np.empty((_MOST_PAIRS, 2), np.int32)
         found = trees.ask(pairs)
-        if found > room:
-            room = found
-            return ask()
+        if not 0 <= found <= _MOST_PAIRS:
+            raise InputError(f"FCL {_VOLUMES[kind]}: {found} pairs: must be 0..{_MOST_PAIRS}")
         return pairs[:found].astype(np.int64)
 
     def count() -> tuple[int, int]:

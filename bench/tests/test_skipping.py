@@ -2,16 +2,19 @@
 
 import json
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 from triaxis.bench import harness
+from triaxis.bench.peers import native
 from triaxis.bench.peers.peer import Peer, PeerAbsentError, Question
 from triaxis.bench.skipping import report, run, software
 from triaxis.bench.skipping.run import Stages, measure_scene, run_skipping
 from triaxis.bench.skipping.scenes import SURFACES, SkippingScene, skipping_scenes
 from triaxis.bench.skipping.software import Growth, GrowthPoint, Meeting, ask_peer, contradictions
+from triaxis.golden.errors import InputError
 from triaxis.host.cli import main
 
 
@@ -68,6 +71,23 @@ def stand(answer, boxes_only=False):
     found = np.array(answer, np.int64).reshape(-1, 2)
     question = Question(lambda: found, lambda: (7, 5))
     return Peer("stand", "stand-in", "stand.ask", lambda: "1.0", lambda *_: question, boxes_only=boxes_only)
+
+
+@pytest.mark.parametrize("found", [7000, -1])
+def test_fcl_is_asked_once_however_much_it_finds(rng, monkeypatch, found):
+    asked = []
+    library = SimpleNamespace(
+        triaxis_load=lambda *_: 0,
+        triaxis_free=lambda *_: None,
+        triaxis_ask=lambda *_: asked.append(1) or found,
+    )
+    monkeypatch.setattr(native, "_fcl", lambda: library)
+    question = native.FCL_TREES[0].load(*rng.random((2, 3, 3, 3)))
+    if found < 0:
+        with pytest.raises(InputError, match="FCL OBB: -1 pairs"):
+            question.ask()
+    else:
+        assert question.ask().shape == (found, 2) and len(asked) == 1
 
 
 def missing():
