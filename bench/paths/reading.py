@@ -101,6 +101,7 @@ def findings(found: Sequence[Reading], tried: int) -> Findings:
         for name, what, least in _DEMANDS
         if counts[name] < least * len(found)
     ]
+    problems += ["none of the programs is completed by rs274: name another folder"] * (not found)
     tables = [_refusals(f"refused {what}", found, name) for name, what, _ in _DEMANDS]
     summary = (
         f"{len(found)} programs that rs274 completes, of {tried} files: {counts['by_rs274']} accepted with "

@@ -17,7 +17,9 @@ from rich.table import Table
 
 from triaxis.bench.harness import FOLDER, Findings, Progress, report
 from triaxis.bench.paths.report import ball_nosed, program_text, relief
+from triaxis.golden.errors import InputError
 from triaxis.golden.scene import scene_answer
+from triaxis.host.cli.arguments import positive
 from triaxis.host.cli.terminal import progress_bar
 from triaxis.host.engines import BULK, Translation, scene_engine
 from triaxis.host.link.board import Board
@@ -35,6 +37,8 @@ from triaxis.sim.simulated_line import SimulatedLine, SimulatedWire
 
 RESULT = FOLDER / "follow.json"
 SEGMENTS, PLANTED = 100_000, 1000
+# Segments for each planted one: what is asked beside the others costs holds of theirs.
+_APART = 100
 # Longest segment, in mm; squares and sides of the meshes; facets that the board holds.
 _LENGTH, _SQUARES, _SIDES, _DEPTH = Fraction(11, 10), 28, 16, 2048
 # Time is drawn out a hundred times, so that a hold is a small part of what an answer takes.
@@ -93,8 +97,13 @@ def add_follow(parser: argparse.ArgumentParser) -> None:
     """Supervise a moving tool on the simulated board, segment by segment, without a stop; plant
     collisions all over the program, and measure how soon each stops it. Writes build/bench/follow.json.
     """
-    parser.add_argument("--segments", type=int, default=SEGMENTS, metavar="N", help=f"so many ({SEGMENTS:,})")
-    parser.add_argument("--planted", type=int, default=PLANTED, metavar="N", help=f"so many ({PLANTED:,})")
+    parser.add_argument(
+        "--segments", type=positive, default=SEGMENTS, metavar="N", help=f"so many ({SEGMENTS:,})"
+    )
+    parser.add_argument(
+        "--planted", type=positive, default=PLANTED, metavar="N",
+        help=f"so many, at most one in {_APART} segments ({PLANTED:,})",
+    )  # fmt: skip
     parser.set_defaults(run=lambda options: report(RESULT, lambda: _measured(options)))
 
 
@@ -194,6 +203,9 @@ def supervised(folder: Path, segments: int, planted: int, progress: Progress) ->
 
 
 def _measured(options: argparse.Namespace) -> Findings:
+    if options.planted * _APART > options.segments:
+        most = options.segments // _APART
+        raise InputError(f"--planted {options.planted}: at most {most} in {options.segments} segments")
     FOLDER.mkdir(parents=True, exist_ok=True)
     with progress_bar("segments", options.segments + options.planted) as progress:
         ours = supervised(FOLDER, options.segments, options.planted, progress)

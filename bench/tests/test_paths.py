@@ -13,6 +13,7 @@ from triaxis.bench.paths.supervised import findings, supervised
 from triaxis.bench.peers.peer import Peer, Question
 from triaxis.golden.judge import judge
 from triaxis.host.broadphase import candidates
+from triaxis.host.cli import ERROR, main
 from triaxis.host.motion.path_check import bulk_engine
 from triaxis.host.shells import solid_of
 
@@ -50,6 +51,19 @@ def test_a_machine_is_supervised_without_a_false_stop_and_stopped_in_time(tmp_pa
     assert not findings(found).problems
     for wrong in ({"false_stops": 1}, {"missed": 1}, {"late": 1}, {"wanted": found.segments + 1}):
         assert len(findings(replace(found, **wrong)).problems) == 1
+
+
+@pytest.mark.parametrize(
+    ("segments", "planted", "why"),
+    [
+        ("-5", "1", "--segments: -5: must be at least 1"),
+        ("300", "0", "--planted: 0: must be at least 1"),
+        ("300", "4", "--planted 4: at most 3 in 300 segments"),
+    ],
+)
+def test_more_is_not_planted_than_leaves_go_standing(capsys, segments, planted, why):
+    assert main(["bench", "follow", f"--segments={segments}", f"--planted={planted}"]) == ERROR
+    assert why in capsys.readouterr().err
 
 
 def test_meshes_are_closed_and_turned_outwards():
@@ -114,3 +128,9 @@ def test_programs_are_read_where_the_interpreter_completes_them(tmp_path):
     ]
     assert [len(table.rows) for table in told.tables] == [1, 2]
     assert not reading.findings([one for one in found if not one.by_own], 7).problems
+
+
+def test_where_no_program_is_completed_nothing_is_shown():
+    assert reading.findings([], 7).problems == [
+        "none of the programs is completed by rs274: name another folder"
+    ]
