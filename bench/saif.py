@@ -28,12 +28,8 @@ _INDEX = re.compile(r"(?:\[\d+\])+$")
 
 @dataclass(frozen=True)
 class Activity:
-    """What toggled: for each instance, as a path with slashes, each signal with the toggles of all its bits.
+    """What toggled: for each instance, as a path with slashes, the toggles of each signal's bits together."""
 
-    ``duration`` is in the file's time unit.
-    """
-
-    duration: int
     instances: dict[str, dict[str, int]]
 
     def inside(self, path: str, signal: str) -> int:
@@ -52,7 +48,7 @@ def read_saif(path: Path) -> Activity:
         text = path.read_text(encoding="utf-8")
     except (OSError, UnicodeDecodeError) as error:
         raise InputError(f"{path}: not readable as SAIF: {error}") from error
-    duration: int | None = None
+    has_duration = False
     instances: dict[str, dict[str, int]] = {}
     # Open parentheses: the name of an instance, "" for anything else.
     open_: list[str] = []
@@ -70,16 +66,16 @@ def read_saif(path: Path) -> Activity:
             name = _INDEX.sub("", item["net"].replace("\\", ""))
             instances[place][name] = instances[place].get(name, 0) + int(toggles[1])
         elif kind == "duration":
-            duration = int(item["duration"])
+            has_duration = True
         elif kind == "close":
             if not open_:
                 raise InputError(f"{path}:{line}: one closing parenthesis too many")
             open_.pop()
             place = "/".join(filter(None, open_))
-    if open_ or duration is None:
+    if open_ or not has_duration:
         raise InputError(f"{path}: not a whole SAIF file: it ends early, or has no DURATION")
     instances.pop("", None)
-    return Activity(duration, instances)
+    return Activity(instances)
 
 
 def _items(text: str, path: Path) -> Iterator[tuple[re.Match[str], int]]:

@@ -57,7 +57,6 @@ class Workload:
 
     name: str
     parts: tuple[Part, ...]
-    seed: int
 
     def __len__(self) -> int:
         """Return the number of pairs."""
@@ -108,7 +107,7 @@ def workloads(count: int, seed: int, data: Path | None) -> list[Workload]:
         "lattice near-misses": lambda rng: _lattice(rng, count),
     }
     return [
-        Workload(name, tuple(make(np.random.default_rng([seed, *name.encode()]))), seed)
+        Workload(name, tuple(make(np.random.default_rng([seed, *name.encode()]))))
         for name, make in makers.items()
     ]
 

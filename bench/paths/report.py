@@ -14,12 +14,11 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from rich.table import Table
 
 from triaxis.bench.harness import FOLDER, Findings, Progress, clocked, report
 from triaxis.bench.paths.continuous import peers
 from triaxis.bench.peers.peer import Peer, Presence, Reals, present
-from triaxis.host.cli.terminal import progress_bar
+from triaxis.host.cli.terminal import progress_bar, table
 from triaxis.host.motion.moves import Program
 from triaxis.host.motion.path_check import bulk_engine, check_path
 from triaxis.host.motion.path_scene import Wanted, prepare_path
@@ -50,9 +49,9 @@ class Figures:
     moves: int
     facets: int
     tool_facets: int
-    read: float
-    prepare: float
-    check: float
+    read_seconds: float
+    prepare_seconds: float
+    check_seconds: float
     poses: int
     clear: bool
     planted: int
@@ -186,30 +185,28 @@ def findings(ours: Figures, theirs: Sequence[PeerFigures], presence: Sequence[Pr
     """Return what is shown and written: nothing may be missed, and what is clear must be said to be."""
     problems = [f"{ours.missed} of {ours.planted} planted collisions were missed"] * (ours.missed > 0)
     problems += ["the program, which is clear, is not said to be"] * (not ours.clear)
-    total = ours.read + ours.prepare + ours.check
-    table = Table("who", "moves", "facets", "missed", "false alarms", "ms a move")
-    table.add_row(
+    total = ours.read_seconds + ours.prepare_seconds + ours.check_seconds
+    rows = table(None, ("who", "moves", "facets", "missed", "false alarms", "ms a move"))
+    rows.add_row(
         "triaxis path", f"{ours.moves:,}", f"{ours.facets:,}", f"{ours.missed} of {ours.planted}",
         str(int(not ours.clear)), f"{1000 * total / ours.moves:.3g}",
     )  # fmt: skip
     for one in theirs:
-        table.add_row(
+        rows.add_row(
             one.name, str(one.moves), "the same", f"{one.missed} of {one.moves // 2}", str(one.false),
             f"{1000 * one.seconds_per_move:.3g}",
         )  # fmt: skip
     notes = [f"{one.name}: {one.why_absent}" for one in presence if one.version is None]
     content = {
-        "seconds": round(total, 1), "moves": ours.moves, "facets": ours.facets,
-        "tool_facets": ours.tool_facets,
-        "seconds_by_part": {"read": ours.read, "prepare": ours.prepare, "check": ours.check},
-        "poses": ours.poses, "planted": ours.planted, "missed": ours.missed, "clear": ours.clear,
-        "peers": [asdict(one) for one in theirs], "packages": [asdict(one) for one in presence],
-    }  # fmt: skip
+        **asdict(ours),
+        "peers": [asdict(one) for one in theirs],
+        "packages": [asdict(one) for one in presence],
+    }
     summary = (
         f"{ours.moves:,} moves against {ours.facets:,} facets in {total:.1f} s of processor time "
         f"({ours.poses:,} poses), {ours.missed} of {ours.planted} planted collisions missed"
     )
-    return Findings("triaxis bench path", summary, problems, content, [table], notes=notes)
+    return Findings("triaxis bench path", summary, problems, content, [rows], notes=notes)
 
 
 def _measured() -> Findings:

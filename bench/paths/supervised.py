@@ -13,14 +13,13 @@ from fractions import Fraction
 from pathlib import Path
 
 import numpy as np
-from rich.table import Table
 
 from triaxis.bench.harness import FOLDER, Findings, Progress, report
 from triaxis.bench.paths.report import ball_nosed, program_text, relief
 from triaxis.golden.errors import InputError
 from triaxis.golden.scene import scene_answer
 from triaxis.host.cli.arguments import positive
-from triaxis.host.cli.terminal import progress_bar
+from triaxis.host.cli.terminal import progress_bar, table
 from triaxis.host.engines import BULK, Translation, scene_engine
 from triaxis.host.link.board import Board
 from triaxis.host.link.board_engine import BoardEngine
@@ -218,8 +217,9 @@ def findings(ours: Supervised) -> Findings:
     problems += [f"{ours.false_stops} false stops"] * (ours.false_stops > 0)
     problems += [f"{ours.missed} of {ours.planted} planted collisions were missed"] * (ours.missed > 0)
     problems += [f"{ours.late} stops came later than stated"] * (ours.late > 0)
-    table = Table("segments", "facets", "asked", "false stops", "planted", "missed", "worst reaction, clocks")
-    table.add_row(
+    headings = ("segments", "facets", "asked", "false stops", "planted", "missed", "worst reaction, clocks")
+    rows = table(None, headings, text=0)
+    rows.add_row(
         f"{ours.segments:,}", f"{ours.facets:,}", f"{ours.asked:,}", str(ours.false_stops),
         f"{ours.planted:,}", str(ours.missed),
         f"{ours.reaction_clocks:,} ({ours.run_clocks:,} of the run), at most {ours.bound_clocks:,}",
@@ -229,4 +229,4 @@ def findings(ours: Supervised) -> Findings:
         f"{ours.missed} of {ours.planted:,} planted collisions missed, each stopped within "
         f"{ours.reaction_clocks:,} clocks, {ours.late} later than its scene allows"
     )
-    return Findings("triaxis bench follow", summary, problems, asdict(ours), [table])
+    return Findings("triaxis bench follow", summary, problems, asdict(ours), [rows])

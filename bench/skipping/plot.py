@@ -110,7 +110,6 @@ def _draw_stages(axes: Axes, rows: Sequence[SceneRow]) -> None:
         axes.text(at.cycles_without_skipping * 1.5, place, times, fontsize=SMALL, va="center")
     _rows(axes, rows, named=True)
     highest = max(row.scene.pairs for row in rows)
-    axes.set_xlim(_NOTHING / 1.5, highest * 8)
     axes.set_xticks([_NOTHING, *(10**k for k in range(0, 8))], ["0", *(f"$10^{k}$" for k in range(0, 8))])
     axes.set_xlim(_NOTHING / 1.5, highest * 8)
     axes.minorticks_off()

@@ -90,7 +90,7 @@ def test_saif_files(tmp_path):
     path = tmp_path / "activity.saif"
     path.write_text(GOOD)
     activity = read_saif(path)
-    assert activity.duration == 840 and activity.instances["TOP"] == {"clk_i": 84}
+    assert activity.instances["TOP"] == {"clk_i": 84}
     assert activity.instances["TOP/u_mul"] == {"a_i": 7}
     assert [activity.inside(place, "a_i") for place in ("TOP/u_mul", "TOP")] == [17, 17]
     with pytest.raises(InputError, match="nothing was measured"):

@@ -15,7 +15,7 @@ from triaxis.bench.peers.peer import Peer, PeerAbsentError, present
 from triaxis.bench.tritest.cases import makers, write_set
 from triaxis.bench.tritest.libraries import LIBRARIES, OURS, PAPERS, answer, named
 from triaxis.bench.tritest.recheck import SetError, case_of, families_of, lines_of, recheck
-from triaxis.bench.tritest.scoring import KINDS, Asked, Score, Tally, read_set, rows_of, score, told
+from triaxis.bench.tritest.scoring import KINDS, Asked, Score, Tally, read_set, rows_of, score
 from triaxis.golden.errors import InputError
 from triaxis.golden.outputs import write_whole
 from triaxis.host.cli import DONE, NO
@@ -103,10 +103,10 @@ def _run(options: argparse.Namespace) -> int:
     Console(width=_WIDTH).print(rows)
     for name, how in found.ended.items():
         print(f"{name}: {how}")
-    if found.said and any(tally.unanswered for tally in found.kinds.values()):
-        print(f"its first error: {found.said}")
+    if found.first_error and any(tally.unanswered for tally in found.kinds.values()):
+        print(f"its first error: {found.first_error}")
     if options.json:
-        content = {"command": shlex.join(command), "passed": found.all_right, **told(found)}
+        content = {"command": shlex.join(command), "passed": found.all_right, **asdict(found)}
         write_whole(options.json, json.dumps(content) + "\n")
     print("PASSED: every pair is right" if found.all_right else f"FAILED: {_failed(found)}")
     return DONE if found.all_right else NO
@@ -222,7 +222,7 @@ def league_of(
     for one, _ in there:
         found = scores[one.name]
         if one not in OURS and found.kinds["float32"].unanswered == found.kinds["float32"].pairs:
-            why = found.said or "no error told"
+            why = found.first_error or "no error told"
             problems.append(f"{one.name}: answers none of the pairs that float32 holds: {why}")
     if (others := len(there) - len({*OURS, *PAPERS} & {one for one, _ in there})) < _LEAST:
         problems.append(f"{others} packages of others: {_LEAST} are wanted (`make peers`)")
@@ -240,7 +240,7 @@ def league_of(
         "pairs": pairs,
         "families": [asdict(one.family) for one in asked],
         "libraries": [
-            {"name": library.name, "version": found, "call": library.call, **told(scores[library.name])}
+            {"name": library.name, "version": found, "call": library.call, **asdict(scores[library.name])}
             for library, found in best
         ],
     }

@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import IO, Any
+from typing import IO
 
 from triaxis.bench.tritest.libraries import CLEAR, COLLIDES, UNTOLD
 from triaxis.bench.tritest.recheck import Case, Family, SetError, case_of, families_of, fault_of, lines_of
@@ -92,8 +92,7 @@ class Tally:
 class Score:
     """What a program made of a set: tallies by kind and by family; the pairs it failed on, by family.
 
-    A pair's number is its line's, from 1 on. ``ended``: families in which it ended early, and how; ``said``:
-    the first line of its errors.
+    A pair's number is its line's, from 1 on. ``ended``: families in which it ended early, and how.
     """
 
     kinds: dict[str, Tally] = field(default_factory=lambda: {kind: Tally() for kind in KINDS})
@@ -102,7 +101,7 @@ class Score:
     false_alarms: dict[str, list[int]] = field(default_factory=dict[str, list[int]])
     unanswered: dict[str, list[int]] = field(default_factory=dict[str, list[int]])
     ended: dict[str, str] = field(default_factory=dict[str, str])
-    said: str = ""
+    first_error: str = ""
 
     @property
     def all_right(self) -> bool:
@@ -147,7 +146,7 @@ def score(command: Sequence[str], asked: Sequence[Asked], progress: Callable[[in
     no answer.
     """
     found, total = Score(), sum(one.family.pairs for one in asked)
-    said, how, found.said = _run(command, asked)
+    said, how, found.first_error = _run(command, asked)
     whole = len(said) == total
     for one in asked:
         name, pairs = one.family.name, one.family.pairs
@@ -157,7 +156,7 @@ def score(command: Sequence[str], asked: Sequence[Asked], progress: Callable[[in
             ending = how if one is asked[-1] else None
         else:
             own, ending, told = _run(command, [one])
-            found.said = found.said or told
+            found.first_error = found.first_error or told
         if missing := pairs - len(own):
             # One that failed is believed up to there, one that left a pair out is not.
             own = [*own, *[UNTOLD] * missing] if ending else [UNTOLD] * pairs
@@ -225,13 +224,3 @@ def rows_of(score_: Score) -> Iterator[tuple[str, Tally]]:
     """Yield what tables show of a score: its kinds, then the families in which something was not right."""
     yield from score_.kinds.items()
     yield from ((name, tally) for name, tally in score_.families.items() if tally.right < tally.pairs)
-
-
-def told(found: Score) -> dict[str, Any]:
-    """Return a score as JSON has it."""
-    return {
-        "kinds": {name: vars(tally) for name, tally in found.kinds.items()},
-        "families": {name: vars(tally) for name, tally in found.families.items()},
-        "missed": found.missed, "false_alarms": found.false_alarms, "unanswered": found.unanswered,
-        "ended": found.ended, "first_error": found.said,
-    }  # fmt: skip
