@@ -92,13 +92,13 @@ class _Graph:
 def logic_depth(netlist: Path) -> LogicDepth:
     """Return the longest paths of a flat netlist: yosys's ``write_json`` after ``synth_xilinx -flatten``.
 
-    Raises InputError where the file is none, or where logic runs in a circle.
+    Raises InputError where the file is none, has a cell that is not known, or where logic runs in a circle.
     """
     try:
         modules = json.loads(netlist.read_text(encoding="utf-8"))["modules"]
         (module,) = [m for m in modules.values() if m.get("attributes", {}).get("top")]
         graph = _graph(module)
-    except (OSError, ValueError, KeyError, AttributeError) as error:
+    except (OSError, ValueError, KeyError, TypeError, AttributeError) as error:
         raise InputError(f"{netlist}: no netlist of one top module by yosys: {error!r}") from error
     depends = {target: [step.source for step in steps] for target, steps in graph.steps.items()}
     try:
@@ -191,7 +191,8 @@ def _tightest(graph: _Graph, order: Iterable[Point], mhz: float) -> Tightest:
     wire_ns = period_ns = 1000 / mhz
     while True:
         path = _longest(graph, order, wire_ns)
-        if not path.wires or (less := (period_ns - path.cells_ns) / path.wires) >= wire_ns:
+        # What has no wire, a chain of DSP blocks, may be too slow all the same.
+        if (less := (period_ns - path.cells_ns) / max(path.wires, 1)) >= wire_ns:
             return Tightest(mhz, round(wire_ns, 3), path)
         wire_ns = less
 

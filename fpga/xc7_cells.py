@@ -14,6 +14,8 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import product
 
+from triaxis.golden.errors import InputError
+
 # A net, or a register inside a cell.
 Point = int | str
 
@@ -21,17 +23,19 @@ _LUT = re.compile(r"LUT[1-6](_2)?|INV")
 _WIDE = re.compile(r"MUXF[78]")
 _COMBINATIONAL = re.compile(rf"{_LUT.pattern}|{_WIDE.pattern}|BUF|IBUF|OBUF|BUFG")
 FLIP_FLOP = re.compile(r"FD[RSCP]E(_1)?")
-# Memories of LUTs: read without a clock, written with it.
-_LUT_MEMORY = re.compile(r"RAM\d+(X1[DS]|M)(_1)?")
+# Memories of LUTs, shift registers among them: read without a clock, written with it.
+_LUT_MEMORY = re.compile(r"RAM\d+(X1[DS]|M)(_1)?|SRL(16E|C32E)")
 _READ_ADDRESS = re.compile(r"A\d*|DPRA\d*|ADDR[A-D]")
 _BLOCK_MEMORY = re.compile(r"RAMB(18|36)E1")
+_CLOCK = re.compile(r"C|W?CLK\w*")
 
 _LUT_NS, _WIDE_NS = 0.124, 0.296
 # What a path of a register, or of a port, begins with; its data pin asks for nothing before the clock.
 REGISTER_NS = 0.362
 _REGISTER_CONTROL_NS = 0.404
 _LUT_MEMORY_NS, _LUT_MEMORY_SETUP_NS = 1.472, 0.654
-_BLOCK_NS, _BLOCK_REGISTER_NS, _BLOCK_SETUP_NS = 2.454, 0.882, 0.737
+# Yosys uses no registers behind a block.
+_BLOCK_NS, _BLOCK_SETUP_NS = 2.454, 0.737
 
 # CARRY4: from the bit of an input pin to the four bits of CO and of O.
 _CARRY_NS: Mapping[tuple[str, int], Mapping[str, Sequence[float]]] = {
@@ -126,10 +130,10 @@ class Ways:
 
 
 def ways(cell: Cell) -> Ways:
-    """Return how paths go through a cell."""
+    """Return how paths go through a cell; raise InputError where that is not known."""
     found, outputs = Ways(), cell.nets(*cell.outputs)
     # What stores what comes in has a clock: all pins but that.
-    stored = [pin for pin in cell.inputs() if not pin.startswith(("C", "WCLK")) or pin == "CE"]
+    stored = [pin for pin in cell.inputs() if not _CLOCK.fullmatch(pin)]
     if _COMBINATIONAL.fullmatch(cell.kind):
         ns = _WIDE_NS if _WIDE.fullmatch(cell.kind) else _LUT_NS
         for pin in cell.inputs():
@@ -143,18 +147,15 @@ def ways(cell: Cell) -> Ways:
         found.store(cell, 0.0, "D")
         found.store(cell, _REGISTER_CONTROL_NS, *(pin for pin in stored if pin != "D"))
     elif _BLOCK_MEMORY.fullmatch(cell.kind):
-        for port in "AB":
-            registered = cell.parameters.get(f"DO{port}_REG", 0) > 0
-            data = cell.nets(*(pin for pin in cell.outputs if pin.startswith(f"DO{port}")))
-            found.starts |= dict.fromkeys(data, _BLOCK_REGISTER_NS if registered else _BLOCK_NS)
-        found.starts = dict.fromkeys(outputs, _BLOCK_NS) | found.starts
+        found.starts = dict.fromkeys(outputs, _BLOCK_NS)
         found.store(cell, _BLOCK_SETUP_NS, *stored)
-    else:
+    elif _LUT_MEMORY.fullmatch(cell.kind):
         found.starts = dict.fromkeys(outputs, _LUT_MEMORY_NS)
         found.store(cell, _LUT_MEMORY_SETUP_NS, *stored)
-        if _LUT_MEMORY.fullmatch(cell.kind):
-            for pin in filter(_READ_ADDRESS.fullmatch, cell.inputs()):
-                found.join(cell.nets(pin), outputs, _LUT_NS, pin)
+        for pin in filter(_READ_ADDRESS.fullmatch, cell.inputs()):
+            found.join(cell.nets(pin), outputs, _LUT_NS, pin)
+    else:
+        raise InputError(f"{cell.name}: {cell.kind}: it is not known how paths go through such a cell")
     return found
 
 
@@ -180,9 +181,8 @@ def _add_dsp(found: Ways, cell: Cell) -> None:
         found.ends.append(End(adder, 0.0))
     if used["MREG"] or used["AREG"] or used["BREG"] or used["CREG"]:
         found.starts[inside] = 0.0
+        # To M it is less than from there.
         found.join([inside], beyond, _M_TO_P_NS if used["MREG"] else _A_TO_P_NS)
-        if used["AREG"] and used["MREG"]:
-            found.join([inside], [adder], _A_TO_M_NS["A"])
     for pin in cell.inputs():
         if pin in ("A", "B") and not used[f"{pin}REG"]:
             if used["MREG"]:

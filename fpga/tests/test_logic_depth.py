@@ -1,8 +1,11 @@
 import json
 
-from triaxis.fpga.logic_depth import LogicDepth, LogicPath, Tightest, logic_depth
+import pytest
 
-_OUTPUTS = {"O", "Q", "P", "CO", "PCOUT"}
+from triaxis.fpga.logic_depth import LogicDepth, LogicPath, Tightest, logic_depth
+from triaxis.golden.errors import InputError
+
+_OUTPUTS = {"O", "Q", "P", "CO", "PCOUT", "DOA", "DOADO", "DOPADOP"}
 
 
 class _Module:
@@ -97,3 +100,55 @@ def test_a_carry_chain_is_one_level_as_many_cells_and_runs_upwards_only(tmp_path
     assert (levels.cells, levels.levels) == (("LUT1", "CARRY4", "CARRY4"), 2)
     # A lower bit of the first takes longer to the chain's end than the last one with a table before it.
     assert tightest(module, tmp_path).path == LogicPath("a_q", "c_q", ("CARRY4", "CARRY4"), 1, 1.203, 1)
+
+
+@pytest.mark.parametrize(
+    ("kind", "pins", "cells_ns", "wires"),
+    [
+        # From a register to what a cell stores, from there to the next register, or through the cell.
+        ("RAMB36E1", {"DIADI": "a_q", "CLKARDCLK": "clk"}, 0.362 + 0.737, 1),
+        ("RAMB36E1", {"DOADO": "given", "CLKARDCLK": "clk"}, 2.454, 1),
+        ("RAMB36E1", {"DOPADOP": "given", "CLKARDCLK": "clk"}, 2.454, 1),
+        ("RAM32M", {"DIA": "a_q", "WCLK": "clk"}, 0.362 + 0.654, 1),
+        ("RAM32M", {"DOA": "given", "WCLK": "clk"}, 1.472, 1),
+        ("RAM32M", {"ADDRA": "late", "DOA": "given", "WCLK": "clk"}, 0.362 + 0.124 + 0.124, 3),
+        ("SRLC32E", {"D": "a_q", "CLK": "clk"}, 0.362 + 0.654, 1),
+        ("SRLC32E", {"A": "late", "Q": "given", "CLK": "clk"}, 0.362 + 0.124 + 0.124, 3),
+        # An inverted reset.
+        ("FDCE", {"CLR": "late", "C": "clk"}, 0.362 + 0.124 + 0.404, 2),
+        ("DSP48E1", {"P": "given", "CLK": "clk"}, 0.434, 1),
+        ("DSP48E1", {"B": "late", "CLK": "clk"}, 0.362 + 0.124 + 0.450, 2),
+    ],
+)
+def test_what_stores_takes_its_time(tmp_path, kind, pins, cells_ns, wires):
+    module = _Module()
+    module.register("in", "a_q")
+    module.add("LUT1", I0="a_q", O="late")
+    module.add(kind, {"CREG": 0}, **pins)
+    module.register("given", "b_q")
+    path = tightest(module, tmp_path).path
+    assert (path.cells_ns, path.wires) == (pytest.approx(cells_ns), wires)
+
+
+def test_a_chain_without_wires_may_be_too_slow(tmp_path):
+    module = _Module()
+    module.add("DSP48E1", {"MREG": 0, "PREG": 0}, A="0", PCOUT="sum", CLK="clk")
+    module.add("DSP48E1", {"AREG": 0, "BREG": 0, "CREG": 0, "MREG": 0}, PCIN="sum", P="p", CLK="clk")
+    module.register("p", "b_q")
+    found = tightest(module, tmp_path)
+    assert (found.path.cells_ns, found.path.wires, found.wire_ns) == (5.829, 0, -0.829)
+
+
+def test_what_is_no_netlist_of_known_cells_is_refused(tmp_path):
+    path = tmp_path / "netlist.json"
+    for text in ("", "[]", "null", '{"modules": {}}', '{"modules": {"m": {"attributes": {"top": "1"}}}}'):
+        path.write_text(text)
+        with pytest.raises(InputError, match="no netlist of one top module"):
+            logic_depth(path)
+    circle, unknown = _Module(), _Module()
+    circle.add("LUT2", I0="u", I1="y", O="y")
+    with pytest.raises(InputError, match=r"logic in a circle at y$"):
+        circle.depth(tmp_path)
+    unknown.add("triaxis_mul", I0="u", O="y")
+    with pytest.raises(InputError, match="c0: triaxis_mul: it is not known"):
+        unknown.depth(tmp_path)
