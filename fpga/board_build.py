@@ -50,7 +50,6 @@ class Limits:
 # XC7A100T, from the 7 Series FPGAs Overview (DS180).
 XC7A100T = Resources(dsps=240, luts=63_400, ffs=126_800, brams=135)
 
-NO_LIMITS = Limits()
 # Room for routing, and for what comes later.
 BOARD_LIMITS = Limits(dsps=200, luts=XC7A100T.luts * 70 // 100, brams=XC7A100T.brams * 0.8)
 WHOLE_PART = Limits(**vars(XC7A100T))

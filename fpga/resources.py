@@ -9,7 +9,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
 
-from triaxis.fpga.board_build import BOARD_LIMITS, NO_LIMITS, TOP, WHOLE_PART, XC7A100T, Limits, Resources
+from triaxis.fpga.board_build import BOARD_LIMITS, TOP, WHOLE_PART, XC7A100T, Limits, Resources
 from triaxis.fpga.logic_depth import LogicDepth
 from triaxis.golden.errors import InputError
 from triaxis.golden.outputs import write_whole
@@ -105,7 +105,7 @@ class Build:
     name: str
     meaning: str
     parameters: Mapping[str, int]
-    limits: Limits = NO_LIMITS
+    limits: Limits
     top: str = CORE_TOP
 
 

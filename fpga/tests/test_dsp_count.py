@@ -60,7 +60,7 @@ mapping memory nexys4ddr_top.u_mesh.u_store_b.g_lane[1].u_groups.memory_q via $_
 
 
 def test_the_meshes_must_be_in_block_ram():
-    build = Build("board", "x", {}, top=TOP)
+    build = Build("board", "x", {}, BOARD_LIMITS, TOP)
     found = memories(LOG)
     assert set(found.values()) == {"block", "look-up tables"}
     assert Row(build, Resources(0, 0, 0), found).within_limit
