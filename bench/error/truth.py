@@ -1,32 +1,23 @@
 """Exact distances of pairs of float32 triangles as they are, rounded to no grid: what verdicts are held to.
 
 The golden model solves each pair over the rationals and checks its own certificate (docs/theory.md,
-section 8); a float32 is a rational. The answers are kept in build/bench/truth/ under a hash of the triangles
-and of the model's sources.
+section 8); a float32 is a rational.
 """
 
-import hashlib
-import json
 from dataclasses import dataclass
 from fractions import Fraction
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
-from triaxis.bench import harness
 from triaxis.golden.exact import Rational, Triangle
 from triaxis.golden.judge import judge
-from triaxis.golden.outputs import write_whole
 from triaxis.golden.processes import in_processes
-from triaxis.sim.build import content_hash
-from triaxis.sim.paths import ROOT
 
 # (N, 3, 3): triangle, vertex, coordinate.
 Triangles = npt.NDArray[np.float32]
 
-_MODEL = ("certificate.py", "exact.py", "game_solver.py", "judge.py", "solver.py")
 # Pairs that a process takes at a time.
 _CHUNK = 500
 
@@ -51,28 +42,10 @@ def exact_triangle(triangle: npt.NDArray[np.floating[Any]]) -> Triangle:
     return [[Rational(x) for x in vertex] for vertex in triangle.tolist()]
 
 
-def exact_truth(a: Triangles, b: Triangles, folder: Path | None = None) -> Truth:
-    """Return the exact distances of A (N, 3, 3) and B (N, 3, 3), from ``folder`` where they are known."""
-    path = (folder or harness.FOLDER / "truth") / f"{_key(a, b)}.json"
-    try:
-        known = tuple(Fraction(text) for text in json.loads(path.read_text(encoding="utf-8")))
-    # Absent, or damaged: solve.
-    except (OSError, ValueError, TypeError, ZeroDivisionError):
-        known = ()
-    if len(known) == len(a):
-        return Truth(known)
+def exact_truth(a: Triangles, b: Triangles) -> Truth:
+    """Return the exact distances of A (N, 3, 3) and B (N, 3, 3)."""
     chunks = [(a[start : start + _CHUNK], b[start : start + _CHUNK]) for start in range(0, len(a), _CHUNK)]
-    solved = in_processes(_solve, chunks)
-    found = tuple(distance for chunk in solved for distance in chunk)
-    write_whole(path, json.dumps([str(distance) for distance in found]) + "\n")
-    return Truth(found)
-
-
-def _key(a: Triangles, b: Triangles) -> str:
-    digest = hashlib.sha256(content_hash([ROOT / "golden" / name for name in _MODEL]).encode())
-    for triangles in (a, b):
-        digest.update(np.ascontiguousarray(triangles).tobytes())
-    return digest.hexdigest()[:24]
+    return Truth(tuple(distance for chunk in in_processes(_solve, chunks) for distance in chunk))
 
 
 def _solve(chunk: tuple[Triangles, Triangles]) -> list[Fraction]:
