@@ -184,6 +184,8 @@ def _trimesh(a: Reals, b: Reals) -> Question:
 
 
 def _trimesh_meshes(a: Reals, b: Reals) -> Question:
+    # Its own limit is 100,000.
+    imported("trimesh.collision").COLLISION_PER_PAIR_CAP = _ALL_CONTACTS
     first, second = _trimesh_manager("a", a), _trimesh_manager("b", b)
 
     def ask() -> npt.NDArray[np.int64]:

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from triaxis.bench import harness
-from triaxis.bench.peers import native
-from triaxis.bench.peers.peer import Peer, PeerAbsentError, Question
+from triaxis.bench.peers import MESH_PEERS, native
+from triaxis.bench.peers.peer import Peer, PeerAbsentError, Question, present
 from triaxis.bench.skipping import report, run, software
 from triaxis.bench.skipping.run import Stages, measure_scene, run_skipping
 from triaxis.bench.skipping.scenes import SURFACES, SkippingScene, skipping_scenes
@@ -88,6 +88,14 @@ def test_fcl_is_asked_once_however_much_it_finds(rng, monkeypatch, found):
             question.ask()
     else:
         assert question.ask().shape == (found, 2) and len(asked) == 1
+
+
+def test_packages_find_all_that_there_is():
+    """Where `make peers` has installed them: also more than trimesh ends with by itself."""
+    flat, through = np.array([[0, 0, 0], [9, 0, 0], [0, 9, 0]]), np.array([[1, 1, -3], [1, 1, 3], [3, 5, 3]])
+    a, b = (np.repeat(facet[None].astype(float), 400, 0) for facet in (flat, through))
+    for peer, _ in present(MESH_PEERS)[0]:
+        assert len(np.unique(peer.load(a, b).ask(), axis=0)) == 400**2, peer.name
 
 
 def missing():
