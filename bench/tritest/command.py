@@ -224,7 +224,7 @@ def league_of(
         if one not in OURS and found.kinds["float32"].unanswered == found.kinds["float32"].pairs:
             why = found.first_error or "no error told"
             problems.append(f"{one.name}: answers none of the pairs that float32 holds: {why}")
-    if (others := len(there) - len({*OURS, *PAPERS} & {one for one, _ in there})) < _LEAST:
+    if (others := sum(one not in (*OURS, *PAPERS) for one, _ in there)) < _LEAST:
         problems.append(f"{others} packages of others: {_LEAST} are wanted (`make peers`)")
     kinds = (f"{kind}: missed, false, unanswered" for kind in KINDS)
     title = "in percent; float32, float64: proper triangles that it holds; degenerate: segments, points"
