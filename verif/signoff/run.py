@@ -21,6 +21,7 @@ from triaxis.coverage.report import ModelReport
 from triaxis.golden.native import BUILD as NATIVE
 from triaxis.sim.evidence import Timeline
 from triaxis.sim.paths import BUILD, ROOT
+from triaxis.sim.simulators import ICARUS
 from triaxis.sim.validity import standing
 from triaxis.verif.code_coverage.run import STEPS as CODE_COVERAGE_STEPS
 from triaxis.verif.faults.catching import signed_off_names
@@ -47,7 +48,10 @@ from triaxis.verif.signoff.result import Signoff
 from triaxis.verif.signoff.testplan import testplan_part
 
 # Folders of what is built, a folder each with a lock beside it.
-_BUILT = ("library", "simulation", "elaborated", "runtime", "mutation", "faults", "coverage")
+_BUILT = (
+    "library", "simulation", "elaborated", "runtime", "mutation", "faults", "coverage", ICARUS, "netlist",
+    "netlist/synthesis",
+)  # fmt: skip
 # Named by a hash of what they are of; outcomes of mutants, which lie beside them, are not.
 _OF_A_BUILD = re.compile(r"-[0-9a-f]{12}$")
 # By which Python, the loader, the compiler, cocotb or Coq take other files than those that are installed, or

@@ -334,24 +334,27 @@ def test_every_part_is_in_its_place_whatever_goes_on_beside_it(stubbed):
 def test_nothing_is_taken_that_was_built_before(stubbed, tmp_path):
     stale = [
         tmp_path / "library" / "w8_m8-0123456789ab", tmp_path / "runtime" / "headers-456789abcdef",
+        # What a sign-off as a whole is of besides.
+        tmp_path / "icarus" / "w8_m8-0123456789ab", tmp_path / "netlist" / "cells-0123456789ab",
+        tmp_path / "netlist" / "synthesis" / "w8_m8-0123456789ab",
         tmp_path / "native" / "a.so",
     ]  # fmt: skip
-    for place in stale[:2]:
+    for place in stale[:-1]:
         place.mkdir(parents=True)
     # Locks may be gone.
     stale[0].with_name(f"{stale[0].name}.lock").touch()
     (tmp_path / "native").mkdir()
-    stale[2].touch()
+    stale[-1].touch()
     # Of runs that wait for each other, and what is no build.
     kept = [
         tmp_path / "faults" / ".lock", tmp_path / "mutation" / "outcomes" / "core.json",
-        tmp_path / "runs" / "a.lock",
+        tmp_path / "runs" / "a.lock", tmp_path / "netlist" / "netlist.json",
     ]  # fmt: skip
     for place in kept:
         place.parent.mkdir(parents=True, exist_ok=True)
         place.touch()
     signoff_run.signoff(1, lambda _: None)
-    assert [place.exists() for place in (*stale, *kept)] == [False] * 3 + [True] * 3
+    assert [place for place in (*stale, *kept) if place.exists()] == kept
 
 
 def test_what_is_written_to_meanwhile_is_a_problem_though_it_is_as_before(stubbed, tmp_path):
