@@ -68,19 +68,24 @@ class ModelReport:
         return all(item.complete for item in self.items)
 
     @property
+    def illegal(self) -> list[str]:
+        """Return what was hit and must not be, a line each."""
+        return [
+            f"coverage {self.model}, {item.name}: illegal bin {i.bin} hit {i.hits} times: {i.reason}"
+            for item in self.items
+            for i in item.illegal_hits
+        ]
+
+    @property
     def problems(self) -> list[str]:
         """Return what is not covered, or hit and must not be, a line each."""
-        found: list[str] = []
-        for item in self.items:
-            where = f"coverage {self.model}, {item.name}"
-            if item.missing:
-                found.append(
-                    f"{where}: {item.hit} of {item.total} bins hit, missing first: {item.missing[0]}"
-                )
-            found += [
-                f"{where}: illegal bin {i.bin} hit {i.hits} times: {i.reason}" for i in item.illegal_hits
-            ]
-        return found
+        missing = [
+            f"coverage {self.model}, {item.name}: {item.hit} of {item.total} bins hit, missing first: "
+            f"{item.missing[0]}"
+            for item in self.items
+            if item.missing
+        ]
+        return missing + self.illegal
 
 
 def percent(reports: Iterable[ModelReport]) -> float:

@@ -48,6 +48,15 @@ def has_coverage(config: str, run: Path) -> bool:
     return True
 
 
+def illegal_hits(passed: Iterable[tuple[str, Path]]) -> list[str]:
+    """Return what was hit in runs and must not be, a line each; ``passed``: see `merge_coverage`."""
+    return [
+        line
+        for config, run in passed
+        for line in report(model_of(config), load(coverage_file(run), model_of(config))).illegal
+    ]
+
+
 def merge_coverage(
     folder: Path, configs: Iterable[str], passed: Iterable[tuple[str, Path]]
 ) -> list[ModelReport]:

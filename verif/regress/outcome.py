@@ -16,7 +16,8 @@ class Outcome:
     """A regression that came to its end.
 
     ``replayed``: seeds that had failed before and were run first; ``flaky``: those that failed and passed on
-    the same sources; ``kept_from_before``: how many results an earlier, killed call had left.
+    the same sources; ``kept_from_before``: how many results an earlier, killed call had left; ``illegal``:
+    what was hit and must not be in configurations whose coverage is not asked for.
     """
 
     regression: Regression
@@ -31,6 +32,7 @@ class Outcome:
     kept_from_before: int
     coverage: Sequence[ModelReport]
     seconds: float
+    illegal: Sequence[str] = ()
 
     @property
     def checked(self) -> int:
@@ -80,13 +82,9 @@ class Outcome:
         if self.regression.all_covered and not self.coverage:
             found.append("no coverage was collected")
         for model in self.coverage:
-            if self.regression.all_covered:
-                found += model.problems
-            else:
-                # What may never be hit was hit, whatever the goals.
-                illegal = [hit for item in model.items for hit in item.illegal_hits]
-                found += [f"illegal coverage bin {i.bin} hit {i.hits} times: {i.reason}" for i in illegal]
-        return found
+            # What may never be hit was hit, whatever the goals.
+            found += model.problems if self.regression.all_covered else model.illegal
+        return [*found, *self.illegal]
 
     @property
     def summary(self) -> str:

@@ -15,7 +15,7 @@ from filelock import FileLock, Timeout
 from triaxis.golden.errors import InputError
 from triaxis.golden.outputs import make_folder, write_whole
 from triaxis.sim.paths import BUILD, ROOT
-from triaxis.verif.regress.coverage_models import has_coverage, merge_coverage
+from triaxis.verif.regress.coverage_models import has_coverage, illegal_hits, merge_coverage
 from triaxis.verif.regress.definition import DEFINITION, NIGHTLY, in_checkout, read_definition, write_view
 from triaxis.verif.regress.dispatch import Dvsim, check_dvsim, last_error
 from triaxis.verif.regress.failing import NAME as FAILING
@@ -168,7 +168,7 @@ class _Regression:
         record = read_record(record_file(self._folder, run))
         if record is None or not record.passed or record.identity != self._identity:
             return False
-        return run.config in self._regression.uncovered or has_coverage(run.config, Path(record.folder))
+        return has_coverage(run.config, Path(record.folder))
 
     def _pass(self, name: str, runs: Sequence[PlannedRun], progress: Callable[[int], None]) -> None:
         """Have dvsim do those of the runs that have not passed yet."""
@@ -228,7 +228,8 @@ class _Regression:
         records = [found[run.key] for run in everything if run.key in found]
         passed = [(record.run.config, Path(record.folder)) for record in records if record.passed]
         keys = {run.key for run in everything}
-        covered = (run.config for run in planned if run.config not in self._regression.uncovered)
+        uncovered = self._regression.uncovered
+        covered = dict.fromkeys(run.config for run in planned if run.config not in uncovered)
         return Outcome(
             self._regression,
             state,
@@ -242,6 +243,7 @@ class _Regression:
             kept,
             merge_coverage(self._folder, covered, passed),
             state.seconds(records, time.time()),
+            illegal_hits((config, run) for config, run in passed if config not in covered),
         )
 
     def _write(self, outcome: Outcome) -> None:

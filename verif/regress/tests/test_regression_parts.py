@@ -3,6 +3,7 @@
 import shutil
 import subprocess
 import sys
+from contextlib import nullcontext
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -11,12 +12,14 @@ from xml.etree import ElementTree
 
 import pytest
 
+from triaxis.coverage.counts import Counts
 from triaxis.coverage.report import IllegalHit, ItemReport, ModelReport
 from triaxis.golden.errors import InputError
 from triaxis.sim.evidence import read_evidence
 from triaxis.sim.paths import DUT
 from triaxis.sim.validity import standing
-from triaxis.verif.regress import dispatch, one_job
+from triaxis.verif.regress import dispatch, one_job, run
+from triaxis.verif.regress.coverage_models import model_of
 from triaxis.verif.regress.definition import Regression
 from triaxis.verif.regress.failing import FailingSeed, FailingSeeds, buckets
 from triaxis.verif.regress.launchers import LSF, SLURM, launcher
@@ -36,6 +39,7 @@ from triaxis.verif.regress.records import (
     write_state,
 )
 from triaxis.verif.regress.reports import write_junit, write_report, write_results
+from triaxis.verif.testbench.settings import coverage_file
 from triaxis.verif.testbench.simulation import RunResult
 
 RUN = PlannedRun("MixedTest_w16_m0", "MixedTest", "w16_m0", 7, 2000, "burst", 1)
@@ -164,7 +168,7 @@ def outcome(folder: Path = Path(), **changes) -> Outcome:
         ({"records": (FEWER,)}, "1999 pairs"),
         ({"coverage": covered(**MISSING)}, "32 of 33 bins hit, missing first: near"),
         ({"coverage": covered(**HIT)}, "illegal bin flags hit 1 times: never"),
-        ({"coverage": covered(**HIT), "regression": SMOKE}, "illegal coverage bin flags hit 1 times: never"),
+        ({"coverage": covered(**HIT), "regression": SMOKE}, "claim: illegal bin flags hit 1 times: never"),
         ({"coverage": ()}, "no coverage was collected"),
         ({"flaky": (FLAKY,)}, "MixedTest in w16_m0, seed 7 is flaky"),
     ],
@@ -178,6 +182,25 @@ def test_each_shortfall_is_a_problem_and_a_failed_case(tmp_path, change, message
     assert len(failures) >= 1
     assert (root.get("tests"), root.get("failures")) == (str(len(cases)), str(len(failures)))
     assert "FAILED" in write_report(found).read_text()
+
+
+def test_what_must_not_be_hit_fails_a_regression_whatever_coverage_is_asked_for(tmp_path, monkeypatch):
+    model = model_of("w8_m0")
+    item = next(item for item in model.items if item.illegal.any())
+    counts = Counts.empty(model)
+    counts.hits[item.name][item.illegal.argmax()] = 1
+    counts.save(coverage_file(tmp_path / "run"))
+    one = replace(RUN, config="w8_m0")
+    write_record(tmp_path, replace(PASSED, run=one, folder=str(tmp_path / "run")))
+    monkeypatch.setattr(run, "check_dvsim", lambda: None)
+    work = run._Regression(run.Request("nightly", folder=tmp_path), print, lambda *_: nullcontext(print))
+    work._folder, state = tmp_path, State(7, 1.0, "sources", (10.0,))
+    for uncovered in (frozenset[str](), frozenset({"w8_m0"})):
+        work._regression = replace(SMOKE, uncovered=uncovered)
+        found = work._outcome(state, (one,), (one,), (), 0)
+        assert [model.model for model in found.coverage] == ([] if uncovered else [model.name])
+        (problem,) = found.problems
+        assert problem.startswith(f"coverage {model.name}, {item.name}: illegal bin "), problem
 
 
 def test_results_tell_nothing_from_zero(tmp_path):
