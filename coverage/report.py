@@ -7,6 +7,7 @@ from typing import Any
 
 from triaxis.coverage.counts import Counts
 from triaxis.coverage.cover_model import CoverItem, CoverModel, Exclusion, Hits
+from triaxis.coverage.stages import share
 
 
 @dataclass(frozen=True)
@@ -91,8 +92,7 @@ class ModelReport:
 def percent(reports: Iterable[ModelReport]) -> float:
     """Return the share of bins that met their goals, 0..100, rounded down to two decimals: 100 means all."""
     every = list(reports)
-    hit, total = sum(r.hit for r in every), sum(r.total for r in every)
-    return hit * 10_000 // total / 100 if total else 0.0
+    return share(sum(r.hit for r in every), sum(r.total for r in every)) or 0.0
 
 
 def report(model: CoverModel[Any], counts: Counts) -> ModelReport:

@@ -27,14 +27,14 @@ from triaxis.verif.regress.records import (
     write_record,
 )
 from triaxis.verif.testbench.settings import BURST, PIN, TEST_DATA, TEST_MODULES
-from triaxis.verif.testbench.simulation import build_for, run_settings
+from triaxis.verif.testbench.simulation import RunResult, build_for, run_settings
 from triaxis.verif.testbench.waves import WAVES, check_waves
 
 SOURCES = Sources(("triaxis.verif.regress.one_job", *TEST_MODULES), TEST_DATA)
 # Stands for whatever the checkout holds: dvsim called by hand, without `triaxis regress run`.
 ANY = "any"
 # Tests send whole groups: some pairs less than they were asked for.
-LEAST_SENT = 0.9
+_LEAST_SENT = 0.9
 # An error of the RTL or of the environment; a simulator that was killed logs none.
 _BLAME = re.compile("ERROR|CRITICAL|%Error|Error:")
 
@@ -47,6 +47,12 @@ def identity() -> str:
 def error_file(folder: Path, config: str) -> Path:
     """Return where the reason of a failed build is left."""
     return folder / "builds" / f"{config}.error"
+
+
+def unsent(result: RunResult) -> str:
+    """Return that a run sent too few of the pairs that it was asked for; "" where it did not."""
+    sent, wanted = result.counts["accepted"] if result.counts else 0, result.settings.pairs
+    return f"{sent} of {wanted} pairs sent" if sent < _LEAST_SENT * wanted else ""
 
 
 def _build(options: argparse.Namespace) -> int:
@@ -75,9 +81,8 @@ def _perform(run: PlannedRun, folder: Path, sources: str, waves: str) -> RunReco
     except InputError as error:
         return record_of(run, folder, sources, started, (f"ERROR {error}",), silent=True)
     errors, counts = result.errors, result.counts
-    accepted = counts["accepted"] if counts else 0
-    if result.passed and accepted < LEAST_SENT * run.pairs:
-        errors = (f"ERROR {accepted} of {run.pairs} pairs sent",)
+    if result.passed and (told := unsent(result)):
+        errors = (f"ERROR {told}",)
     passed = result.passed and not errors
     silent = not passed and counts is None and not any(map(_BLAME.search, errors))
     found = result.counterexamples

@@ -24,7 +24,7 @@ from triaxis.verif.core.solver_check import SolverResult, check_solvers
 from triaxis.verif.counterexample.explaining import run_and_explain
 from triaxis.verif.regress.coverage_models import merge_coverage
 from triaxis.verif.regress.definition import in_checkout
-from triaxis.verif.regress.one_job import LEAST_SENT
+from triaxis.verif.regress.one_job import unsent
 from triaxis.verif.signoff.plan import FOLDER, VOLUME, plan
 from triaxis.verif.signoff.scene_checks import SceneResult, check_real_meshes, check_scenes
 from triaxis.verif.testbench.settings import TEST_DATA, TEST_MODULES, Block, RunSettings
@@ -106,11 +106,11 @@ class SimulationResult:
         """Return the reasons for a failure, one line each, as they are when first asked for."""
         found: list[str] = []
         for run in self.runs:
-            name, wanted = f"{run.settings.test} in {run.settings.config}", run.settings.pairs
+            name = f"{run.settings.test} in {run.settings.config}"
             if not run.passed:
                 found.append(f"{name} failed")
-            if run.counts and run.counts["accepted"] < LEAST_SENT * wanted:
-                found.append(f"{name}: {run.counts['accepted']} of {wanted} pairs sent")
+            if run.counts and (told := unsent(run)):
+                found.append(f"{name}: {told}")
         for scene in self.scenes + (self.real_meshes or []):
             if not scene.passed:
                 doubt = "" if scene.agrees else "; the golden model disagrees"
