@@ -94,14 +94,17 @@ def _run(what: str, command: Sequence[str], apart: bool = False) -> bool:
 
 
 def _answer(command: Sequence[str], folder: Path | None = None) -> subprocess.CompletedProcess[str]:
-    return subprocess.run(
-        command,
-        cwd=folder or ROOT,
-        env=verilator().environment(),
-        capture_output=True,
-        text=True,
-        check=False,
-    )
+    try:
+        return subprocess.run(
+            command,
+            cwd=folder or ROOT,
+            env=verilator().environment(),
+            capture_output=True,
+            text=True,
+            check=False,
+        )
+    except FileNotFoundError as error:
+        raise InputError(f"{command[0]}: not found: run `make lint`, which installs it") from error
 
 
 def _answer_apart(command: Sequence[str]) -> subprocess.CompletedProcess[str]:
@@ -189,9 +192,11 @@ def _elaborations() -> Iterator[tuple[str, dict[str, int], list[Path], str]]:
 def _types() -> bool:
     """Check types; no file checked is a failure too."""
     _link_package()
-    command = [_bin("basedpyright"), "--outputjson"]
-    answer = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False)
-    report = json.loads(answer.stdout)
+    answer = _answer([_bin("basedpyright"), "--outputjson"])
+    try:
+        report = json.loads(answer.stdout)
+    except ValueError:
+        return _told("basedpyright", False, answer.stdout + answer.stderr)
     checked = report["summary"]["filesAnalyzed"]
     said = "".join(
         f"{Path(found['file']).resolve()}:{found['range']['start']['line'] + 1}: {found['message']}\n"
@@ -206,7 +211,9 @@ def _link_package() -> None:
     folder.mkdir(parents=True, exist_ok=True)
     for name in ("bench", "coverage", "fpga", "golden", "host", "sim", "verif"):
         link = folder / name
-        if not link.is_symlink():
+        # In a checkout that was copied or moved it leads to another one, which would be checked instead.
+        if not link.is_symlink() or link.readlink() != ROOT / name:
+            link.unlink(missing_ok=True)
             link.symlink_to(ROOT / name)
 
 

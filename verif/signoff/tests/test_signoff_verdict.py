@@ -429,6 +429,31 @@ def test_findings_of_several_builds_are_one_and_named_with_the_first(monkeypatch
 
 
 @pytest.mark.simulator
+def test_types_are_checked_of_this_checkout_and_a_checker_that_does_not_run_is_no_success(
+    tmp_path, monkeypatch, capsys
+):
+    (tmp_path / "typing" / "triaxis").mkdir(parents=True)
+    link = tmp_path / "typing" / "triaxis" / "verif"
+    link.symlink_to(tmp_path / "another" / "checkout")
+    monkeypatch.setattr(lint, "BUILD", tmp_path)
+    for said, told in (
+        ("", "no runtime"),
+        ('{"summary": {"filesAnalyzed": 0}, "generalDiagnostics": []}', ""),
+    ):
+        tool = tmp_path / "basedpyright"
+        tool.write_text(f"#!/bin/sh\necho '{said}'\necho '{told}' >&2\n")
+        tool.chmod(0o755)
+        monkeypatch.setattr(lint, "_bin", lambda name: str(tmp_path / name))
+        assert not lint._types()
+        assert told in capsys.readouterr().out
+    assert link.readlink() == lint.ROOT / "verif"
+    tool.unlink()
+    with pytest.raises(
+        InputError, match=r"^\S+/basedpyright: not found: run `make lint`, which installs it$"
+    ):
+        lint._types()
+
+
 def test_the_linters_of_the_sign_off_find_what_is_put_in(tmp_path, monkeypatch):
     bad = tmp_path / "bad.sv"
     bad.write_text("module bad (input logic [3:0] a, output logic [2:0] b);\n\tassign b = a ;\nendmodule\n")
