@@ -22,7 +22,7 @@ from triaxis.golden.processes import threads
 from triaxis.sim.board_parameters import BoardParameters
 from triaxis.sim.configuration import Configuration
 from triaxis.sim.mesh_configuration import MeshConfiguration
-from triaxis.sim.paths import BUILD, DUT, ROOT, VERIF, board_sources, mesh_sources, rtl_sources
+from triaxis.sim.paths import BUILD, DUT, ROOT, SIM, VERIF, board_sources, mesh_sources, rtl_sources
 from triaxis.sim.slang import compiled
 from triaxis.sim.toolchain import verilator
 from triaxis.sim.verilate import elaboration
@@ -150,8 +150,8 @@ def not_kept(dut: Path = DUT) -> list[str]:
 
 
 def _systemverilog() -> list[str]:
-    folders = (DUT, VERIF, ROOT / "fpga")
-    found = [path for folder in folders for path in sorted(folder.rglob("*.sv"))]
+    folders = (DUT, SIM, VERIF, ROOT / "fpga")
+    found = [path for folder in folders for path in sorted(folder.rglob("*.sv*"))]
     # What PeakRDL makes has its own style.
     return [str(path) for path in found if path not in REGISTERS_RTL]
 
