@@ -15,6 +15,7 @@ import subprocess
 import sys
 import tarfile
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any
 
 from triaxis.golden.errors import InputError
@@ -112,20 +113,22 @@ def _files_of(witnesses: Path) -> list[str]:
     words = [sys.executable, "-I", "-S", str(checker), str(witnesses)]
     ran = subprocess.run(words, capture_output=True, text=True, check=False)
     if ran.returncode:
-        raise InputError(f"{witnesses}: {(ran.stderr or ran.stdout).splitlines()[0]}: make it anew")
+        said = (ran.stderr or ran.stdout).splitlines() or [f"exit code {ran.returncode}"]
+        raise InputError(f"{witnesses}: {said[0]}: make it anew")
     families = json.loads(read_input(witnesses / "set.json"))["families"]
     return ["set.json", *(f"{family['name']}.txt.gz" for family in families)]
 
 
 def _source() -> Files:
     """Return the files of the commit."""
-    packed = subprocess.run(
-        ["git", "-C", str(ROOT), "archive", "HEAD"], capture_output=True, check=True
-    ).stdout
-    with tarfile.open(fileobj=io.BytesIO(packed)) as archive:
-        # Of a link what it is of.
-        members = [member for member in archive if not member.isdir()]
-        return {member.name: _content(archive, member) for member in members}
+    with TemporaryDirectory() as folder:
+        packed = Path(folder) / "source.tar"
+        if git("archive", "--output", str(packed), "HEAD") is None:
+            raise InputError(f"{ROOT}: git cannot pack the commit: see what `git archive HEAD` says")
+        with tarfile.open(packed) as archive:
+            # Of a link what it is of.
+            members = [member for member in archive if not member.isdir()]
+            return {member.name: _content(archive, member) for member in members}
 
 
 def _content(archive: tarfile.TarFile, member: tarfile.TarInfo) -> bytes:

@@ -265,7 +265,7 @@ def test_no_evidence_without_a_sign_off_a_commit_and_witnesses(tmp_path, monkeyp
     monkeypatch.setattr(archive, "git", lambda *_: " M README.md")
     with pytest.raises(InputError, match="uncommitted"):
         archive.pack(out, witnesses, result)
-    monkeypatch.setattr(archive, "git", lambda *_: "")
+    monkeypatch.setattr(archive, "git", lambda *words: "" if words[0] == "status" else git(*words))
     with pytest.raises(InputError, match="no TriTest set"):
         archive.pack(out, witnesses, result)
     witnesses.mkdir()
@@ -278,4 +278,19 @@ def test_no_evidence_without_a_sign_off_a_commit_and_witnesses(tmp_path, monkeyp
     result.with_name("index.html").write_text("page")
     with pytest.raises(InputError, match="make it anew"):
         archive.pack(out, witnesses, result)
+    # Killed, it says nothing.
+    monkeypatch.setattr(archive.sys, "executable", "false")
+    with pytest.raises(InputError, match=r"set: exit code 1: make it anew"):
+        archive.pack(out, witnesses, result)
     assert not Path(out).exists()
+
+
+def test_what_is_packed_is_of_this_checkout_whatever_git_is_told(tmp_path, monkeypatch):
+    for words in (("init", "-q"), ("commit", "-q", "--allow-empty", "-m", "Another")):
+        named = ("-c", "user.name=a", "-c", "user.email=a@b")
+        subprocess.run(["git", *named, "-C", str(tmp_path), *words], check=True)
+    monkeypatch.setenv("GIT_DIR", str(tmp_path / ".git"))
+    assert "README.md" in archive._source()
+    monkeypatch.setattr(archive, "git", lambda *_: None)
+    with pytest.raises(InputError, match="git cannot pack the commit"):
+        archive._source()
