@@ -73,6 +73,8 @@ class Dvsim:
         tests = self._tests(runs)
         configuration = self.folder / f"dvsim-{name}.hjson"
         write_whole(configuration, self._configuration(tests))
+        # What an earlier attempt left there would tell of runs that this one never started.
+        shutil.rmtree(self._scratch(name), ignore_errors=True)
         with self.log(name).open("w") as log:
             process = subprocess.Popen(
                 self._command(name, configuration, tests),

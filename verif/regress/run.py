@@ -178,7 +178,8 @@ class _Regression:
             return
         # A failure of an earlier attempt must not pass for one of this.
         for run in missing:
-            record_file(self._folder, run).unlink(missing_ok=True)
+            for path in (record_file(self._folder, run), error_file(self._folder, run.config)):
+                path.unlink(missing_ok=True)
         begun, done = time.time(), 0
 
         def watch() -> None:

@@ -203,6 +203,19 @@ def test_what_must_not_be_hit_fails_a_regression_whatever_coverage_is_asked_for(
         assert problem.startswith(f"coverage {model.name}, {item.name}: illegal bin "), problem
 
 
+def test_no_run_is_blamed_for_what_an_earlier_attempt_left(tmp_path, monkeypatch):
+    """A failure would end the regression, and what had passed of it would be lost."""
+    monkeypatch.setattr(dispatch, "_DVSIM", Path("/bin/false"))
+    work = run._Regression(run.Request("smoke", folder=tmp_path), print, lambda *_: nullcontext(print))
+    one, *_ = work._definition.plan("smoke", 1)
+    log = work._dvsim._scratch("main") / f"{one.item}.{one.seed}" / "latest" / "run.log"
+    for left in (log, error_file(work._folder, one.config)):
+        left.parent.mkdir(parents=True, exist_ok=True)
+        left.write_text("no space left")
+    with pytest.raises(InputError, match="dvsim started no run"):
+        work._pass("main", [one], print)
+
+
 def test_results_tell_nothing_from_zero(tmp_path):
     found = outcome(tmp_path, records=(TOLD,), coverage=())
     result = read_evidence(write_results(found))
