@@ -104,7 +104,8 @@ def _types(scope: pyslang.syntax.ModuleDeclarationSyntax) -> dict[str, tuple[str
 def _variables(module: pyslang.syntax.ModuleDeclarationSyntax) -> list[tuple[str, str]]:
     """Return the variables of named types that a module declares: type and name of each."""
     return [
-        (str(one.type).strip(), declared.name.valueText)
+        # Its last word: before its first stand comments, too.
+        (one.type.getLastToken().valueText, declared.name.valueText)
         for one in nodes(module, pyslang.syntax.DataDeclarationSyntax)
         if isinstance(one.type, pyslang.syntax.NamedTypeSyntax)
         for declared in nodes(one, pyslang.syntax.DeclaratorSyntax)

@@ -22,6 +22,14 @@ def test_every_enumerated_state_is_a_state_machine() -> None:
     assert machine("runner").states == ("RunNever", "RunGoing", "RunDone")
 
 
+def test_a_comment_above_a_state_is_no_part_of_its_type(tmp_path) -> None:
+    source = tmp_path / "a.sv"
+    source.write_text(
+        "module a; typedef enum logic {Idle, Busy} state_e;\n\n  // What it does.\n  state_e state_q;\nendmodule\n"
+    )
+    assert state_machines([source]) == [StateMachine("a", source, "state_q", ("Idle", "Busy"))]
+
+
 @pytest.mark.prover
 def test_arcs_are_all_steps_of_the_logic() -> None:
     # As one reads them.
