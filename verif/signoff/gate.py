@@ -10,14 +10,16 @@ from triaxis.coverage.waiver_upkeep import waiver_problems
 from triaxis.golden.errors import InputError
 from triaxis.golden.input_file import read_input
 from triaxis.sim.validity import Sources
-from triaxis.verif.signoff.verify import ABSENT, contradictions, figures, left_open
+from triaxis.verif.signoff.verify import (
+    ABSENT,
+    BESIDE,
+    PARTS,
+    TAKEN,
+    contradictions,
+    figures,
+    left_open,
+)
 from triaxis.verif.testbench.settings import TEST_DATA, TEST_MODULES
-
-# The parts of the evidence, in the order of the report.
-PARTS = ("testplan", "lint", "simulation", "exhaustive", "code_coverage", "faults", "mutation", "proofs")
-
-# Results of commands of their own, which a sign-off as a whole holds too.
-BESIDE = ("four_state", "netlist")
 
 # What all of a sign-off comes from: all that simulates, measures, proves, judges. No page, no command
 # line.
@@ -44,9 +46,6 @@ SOURCES = Sources(
 )
 
 _SHOWN = 3
-
-# What a sign-off may take from the record.
-_TAKEN = {"recorded": "mutants", "entries_recorded": "proofs of equivalence"}
 # Above all figures.
 _MOST = 1 << 63
 
@@ -134,7 +133,7 @@ def remarks(result: Path) -> list[str]:
     content = json.loads(read_input(result))
     found = [f"signed off without {exception}" for exception in content.get("exceptions", [])]
     mutation = content["parts"]["mutation"]
-    for key, what in _TAKEN.items():
+    for key, what in TAKEN:
         if mutation[key] and not any(line.startswith(what) for line in content.get("exceptions", [])):
             found.append(f"signed off without {mutation[key]} {what}, which are as recorded")
     if content.get("whole") is True:
@@ -185,7 +184,7 @@ def _untold(content: dict[str, Any]) -> list[str]:
     exceptions, parts = content.get("exceptions"), content.get("parts")
     told = isinstance(exceptions, list) and all(isinstance(line, str) for line in exceptions)
     mutation = parts.get("mutation") if isinstance(parts, dict) else None
-    counts = [mutation.get(key) for key in _TAKEN] if isinstance(mutation, dict) else [None]
+    counts = [mutation.get(key) for key, _ in TAKEN] if isinstance(mutation, dict) else [None]
     if told and all(type(count) is int and count >= 0 for count in counts):
         return []
     return ["the sign-off does not tell its exceptions: run `make signoff` again"]

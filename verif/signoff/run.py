@@ -28,7 +28,7 @@ from triaxis.verif.faults.catching import signed_off_names
 from triaxis.verif.formal.proving import proof_names
 from triaxis.verif.mutation.catalogue import mutant_names
 from triaxis.verif.signoff import simulation
-from triaxis.verif.signoff.gate import PARTS, SOURCES
+from triaxis.verif.signoff.gate import SOURCES
 from triaxis.verif.signoff.parts import (
     Evidence,
     Part,
@@ -46,6 +46,7 @@ from triaxis.verif.signoff.parts import (
 from triaxis.verif.signoff.plan import VOLUME
 from triaxis.verif.signoff.result import Signoff
 from triaxis.verif.signoff.testplan import testplan_part
+from triaxis.verif.signoff.verify import PARTS
 
 # Folders of what is built, a folder each with a lock beside it.
 _BUILT = (

@@ -28,7 +28,7 @@ PARTS = ("testplan", "lint", "simulation", "exhaustive", "code_coverage", "fault
 BESIDE, UNLISTED = ("four_state", "netlist"), ("SHA256SUMS", "attestation.json")
 KINDS = ("line", "branch", "expression", "toggle", "fsm", "antecedent")
 PROVED, ABSENT, MAY_BE = "proved", "not measured", ("theorem", "not measured")  # where it is no whole one
-TAKEN = (("recorded", "mutants"), ("entries_recorded", "proofs of equivalence"))  # what is said of them
+TAKEN = (("recorded", "mutants"), ("entries_recorded", "proofs of equivalence"))  # from the record; as what
 NONE = ("mismatches", "wrong", "different", "uncovered", "surviving")  # what must be none, true, or some
 YES, SOME = ("passed", "agrees", "caught"), ("linters", "runs", "scenes", "pairs", "checked", "requirements")
 

@@ -25,7 +25,8 @@ def test_every_enumerated_state_is_a_state_machine() -> None:
 def test_a_comment_above_a_state_is_no_part_of_its_type(tmp_path) -> None:
     source = tmp_path / "a.sv"
     source.write_text(
-        "module a; typedef enum logic {Idle, Busy} state_e;\n\n  // What it does.\n  state_e state_q;\nendmodule\n"
+        "module a; typedef enum logic {Idle, Busy} state_e;\n"
+        "  // What it does.\n  state_e state_q;\nendmodule\n"
     )
     assert state_machines([source]) == [StateMachine("a", source, "state_q", ("Idle", "Busy"))]
 

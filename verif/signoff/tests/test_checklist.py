@@ -7,8 +7,8 @@ import pytest
 from triaxis.golden.errors import InputError
 from triaxis.verif.signoff.checklist import Answer, answered, open_items, read_checklist
 from triaxis.verif.signoff.parts import Part
-from triaxis.verif.signoff.result import _COVERED
 from triaxis.verif.signoff.tests.signoff_evidence import evidence, good_parts, signed
+from triaxis.verif.signoff.verify import KINDS
 
 NOT_HIT = {"hit": 8, "waived": 0, "total": 10}
 ENTRY = '[[{}]]\nitem = "X"\nasks = "is it so"\n{}\n'
@@ -99,7 +99,7 @@ def test_lint_each_kind_of_coverage_and_a_waiver_without_a_reason_leave_their_it
         ("D1", "LINT_SETUP"), ("D2", "LINT_PASS"), ("D3", "LINT_COMPLETE"), ("V3", "NO_TOOL_WARNINGS_THROWN"),
         ("V3", "TB_LINT_COMPLETE"),
     }  # fmt: skip
-    for kind in _COVERED:
+    for kind in KINDS:
         found = left_open("code_coverage", lambda e, kind=kind: e["totals"].update({kind: dict(NOT_HIT)}))
         assert ("V2", "SIM_CODE_COVERAGE") in found, kind
         assert ("V3", "SIM_CODE_COVERAGE_AT_100, FPV_CODE_COVERAGE_AT_100") in found, kind

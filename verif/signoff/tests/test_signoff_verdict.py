@@ -25,7 +25,7 @@ from triaxis.verif.mutation.record import SEED
 from triaxis.verif.mutation.result import KILLED, Fate, MutationResult, known_result, write_result
 from triaxis.verif.signoff import parts as signoff_parts
 from triaxis.verif.signoff import run as signoff_run
-from triaxis.verif.signoff.gate import BESIDE, PARTS, SOURCES, refusals, remarks
+from triaxis.verif.signoff.gate import SOURCES, refusals, remarks
 from triaxis.verif.signoff.page import signoff_page
 from triaxis.verif.signoff.parts import Part, attempt
 from triaxis.verif.signoff.tests.signoff_evidence import (
@@ -38,6 +38,7 @@ from triaxis.verif.signoff.tests.signoff_evidence import (
     signed,
 )
 from triaxis.verif.signoff.tests.test_signoff import GOOD
+from triaxis.verif.signoff.verify import BESIDE, PARTS
 
 
 def survivor(mutation):
