@@ -31,7 +31,6 @@ from triaxis.coverage.stages import share
 from triaxis.coverage.waiver_upkeep import WaivedPlace, other_rtl, stale_patterns
 from triaxis.coverage.waivers import KINDS, BoundError, Waiver, module_code
 from triaxis.golden.errors import InputError
-from triaxis.sim.paths import DUT
 
 # Of cover properties.
 _PROPERTIES = ("fsm", "antecedent")
@@ -309,9 +308,7 @@ def assess_model(model: ModelCoverage, waivers: list[Waiver]) -> Assessment:
     return _ModelAssessor(model, waivers).run()
 
 
-def conclude(
-    assessment: Assessment, blocks: list[GenerateBlock], waivers: list[Waiver], dut: Path = DUT
-) -> Assessment:
+def conclude(assessment: Assessment, blocks: list[GenerateBlock], waivers: list[Waiver]) -> Assessment:
     """Return the assessment of all models with what only all together show.
 
     Generate blocks that no model elaborates; waivers of RTL that has changed, that cover no bin, or with a
@@ -326,7 +323,7 @@ def conclude(
         whole.count(place, (block.module, block.label) in whole.elaborated, first)
         if first is not None:
             whole.cover(first, WaivedPlace(place.model, block.module, block.module, block.label))
-    code = module_code(dut)
+    code = module_code()
     for waiver in waivers:
         if said := other_rtl(waiver, code):
             whole.refute(waiver, said)

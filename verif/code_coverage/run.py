@@ -23,7 +23,7 @@ from triaxis.coverage.code_coverage import (
 )
 from triaxis.coverage.elaboration import Instance, read_elaboration
 from triaxis.coverage.waiver_upkeep import waiver_records
-from triaxis.coverage.waivers import WAIVERS, Waiver, read_waivers
+from triaxis.coverage.waivers import Waiver, read_waivers
 from triaxis.golden.errors import InputError
 from triaxis.golden.outputs import make_folder
 from triaxis.golden.processes import results_in_processes, threads
@@ -352,9 +352,6 @@ def measure(
     seed: int,
     pairs: int = PAIRS,
     cores: Sequence[Configuration] = CORES,
-    engines: Sequence[MeshConfiguration] = ENGINES,
-    boards: Sequence[BoardParameters] = BOARDS,
-    waivers: Path = WAIVERS,
     progress: Callable[[int], None] | None = None,
 ) -> CodeCoverage:
     """Measure code coverage; ``pairs``: those that MixedTest sends on each core, other tests in proportion.
@@ -364,11 +361,11 @@ def measure(
     start = time.perf_counter()
     # Before it may wait for another run: what is loaded and read here is of now.
     before = standing(SOURCES)
-    read = read_waivers(waivers)
+    read = read_waivers()
     # Two runs at once would write each other's counters.
     make_folder(COUNTERS)
     with FileLock(COUNTERS / ".lock"):
-        models = (*boards, *engines, *cores, None)
+        models = (*BOARDS, *ENGINES, *cores, None)
         runs, assessments = _run_all(models, seed, pairs, read, progress or (lambda _: None))
         together = Assessment()
         for assessment in assessments:

@@ -29,7 +29,7 @@ from triaxis.verif.formal import coq, proving
 from triaxis.verif.formal.cone import Covered
 from triaxis.verif.netlist import result as netlists
 from triaxis.verif.netlist.gates import SCOPES, Scope, run_on_gates
-from triaxis.verif.netlist.module_proofs import PROOFS
+from triaxis.verif.netlist.module_proofs import NOT_PROVED, PROOFS
 
 _JOBS = 2
 
@@ -146,7 +146,7 @@ def _netlist(options: argparse.Namespace) -> int:
     console = Console(width=120)
     console.print(runs)
     console.print(proofs)
-    print_list("NOT PROVED:", [f"{module}: {why}" for module, why in result.not_proved.items()])
+    print_list("NOT PROVED:", [f"{module}: {why}" for module, why in NOT_PROVED.items()])
     print_list("FAILED:", result.problems)
     print(result.summary)
     print(f"written to {netlists.write_result(result, f'triaxis prove netlist --seed {options.seed}')}")

@@ -32,12 +32,12 @@ def signed_off_names() -> tuple[str, ...]:
     return tuple(fault.name for fault in _signed_off())
 
 
-def catch(fault: Fault, seed: int, dut: Path = DUT) -> Outcome:
-    """Put the fault into a copy of ``dut``, or into the environment, and see what catches it.
+def catch(fault: Fault, seed: int) -> Outcome:
+    """Put the fault into a copy of dut/, or into the environment, and see what catches it.
 
     Raises InputError where the RTL is no longer what the fault changes.
     """
-    broken = faulty_rtl(fault, dut) if fault.patch else dut
+    broken = faulty_rtl(fault) if fault.patch else DUT
     return _concluded(fault, *_tried(fault, broken, seed), seed)
 
 

@@ -41,8 +41,6 @@ CHANGED = "the RTL, or what plays its mutants, changed during the run: run again
 
 def mutate(
     seed: int = 1,
-    files: str | None = None,
-    names: str | None = None,
     jobs: int = 2,
     fresh: bool = False,
     dut: Path = DUT,
@@ -54,7 +52,7 @@ def mutate(
     sample: int | None = None,
     all_evidence: bool = False,
 ) -> MutationResult:
-    """Return what becomes of the mutants of dut/, or of those whose file and name match.
+    """Return what becomes of the mutants of dut/, or of those that are chosen.
 
     ``fresh``: do everything again, whatever is known from earlier runs. ``sample``: take what is recorded,
     but for those mutants, and entries of equivalent ones, that this seed draws; of mutants whose evidence
@@ -66,7 +64,7 @@ def mutate(
     record_hash = content_hash([RECORD])
     sweep()
     everything = catalogue(dut)
-    found = chosen or (everything.restricted(files, names) if files or names else everything)
+    found = chosen or everything
     entries = read_equivalents(equivalents)
     if fresh:
         forget_proofs()

@@ -34,7 +34,6 @@ class ModuleProof(Proof):
     ``settled``: bits of the RTL's registers that only ever take one value hold it from the start.
     """
 
-    way: Way
     clocks: int
     settled: bool = False
 
@@ -57,7 +56,7 @@ class ModuleProof(Proof):
         # Registers that are to be matched keep their names, and state machines their numbers.
         keep = (
             'setattr -set keep 1 w:*_q* w:*_o*; setattr -set fsm_encoding "none" w:*_q; '
-            if self.way is Way.REGISTERS
+            if self.method == Way.REGISTERS
             else ""
         )
         script = (
@@ -70,7 +69,7 @@ class ModuleProof(Proof):
 
     def compare(self, folder: Path) -> Finding:
         """Prove what `synthesise` wrote equal."""
-        return self._window(folder) if self.way is Way.WINDOW else self._registers(folder)
+        return self._window(folder) if self.method == Way.WINDOW else self._registers(folder)
 
     def _window(self, folder: Path) -> Finding:
         (folder / "proof.sby").write_text(
@@ -168,7 +167,7 @@ NOT_PROVED = {
 
 def _window(module: str, clocks: int, **parameters: int) -> ModuleProof:
     claim = f"After {clocks} clocks the netlist puts out what the RTL does, whatever both held before."
-    return ModuleProof(f"triaxis_{module}", claim, Way.WINDOW, parameters, (), Way.WINDOW, clocks)
+    return ModuleProof(f"triaxis_{module}", claim, Way.WINDOW, parameters, (), clocks)
 
 
 _SETTLED = (
@@ -177,7 +176,7 @@ _SETTLED = (
 )
 
 
-def _registers(module: str, clocks: int = 2, settled: bool = False, **parameters: int) -> ModuleProof:
+def _registers(module: str, settled: bool = False, **parameters: int) -> ModuleProof:
     claim = (
         "From equal registers the netlist and the RTL put out the same, and hold the same after each clock."
     )
@@ -186,9 +185,7 @@ def _registers(module: str, clocks: int = 2, settled: bool = False, **parameters
         "both begin with the same in all registers",
         *(_SETTLED if settled else ()),
     )
-    return ModuleProof(
-        f"triaxis_{module}", claim, Way.REGISTERS, parameters, taken, Way.REGISTERS, clocks, settled
-    )
+    return ModuleProof(f"triaxis_{module}", claim, Way.REGISTERS, parameters, taken, 2, settled)
 
 
 _OF_BOARD = (

@@ -2,9 +2,9 @@
 
 import re
 import time
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from concurrent.futures import as_completed
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, dataclass
 from pathlib import Path
 
 from triaxis.golden.outputs import make_folder
@@ -87,9 +87,7 @@ def gate_run(scope: Scope, result: RunResult) -> GateRun:
 class NetlistResult:
     """What came of all runs and proofs.
 
-    ``not_proved``: modules that no tool proves here, ``not_simulated``: signed configurations of which no
-    netlist is simulated, each with the reason; ``silent``: what is neither checked nor there, as `left_out`
-    tells it.
+    ``silent``: what is neither checked nor named with the reason why not, as `left_out` tells it.
     """
 
     runs: tuple[GateRun, ...]
@@ -98,8 +96,6 @@ class NetlistResult:
     seconds: float
     valid_for: Validity
     changed: bool = False
-    not_proved: Mapping[str, str] = field(default_factory=lambda: NOT_PROVED)
-    not_simulated: Mapping[str, str] = field(default_factory=lambda: NOT_SIMULATED)
     silent: Sequence[str] = ()
 
     @property
@@ -145,11 +141,11 @@ class NetlistResult:
         """Return the result in a line."""
         differences = "unknown" if self.differences is None else self.differences
         proved = self.modules_proved
-        others = len(self.not_proved)
+        others = len(NOT_PROVED)
         return (
             f"{self.pairs:,} pairs and {self.replies} replies of the board on {len(self.runs)} netlists, "
             f"{differences} differences; {proved} of {len(self.outcomes) + others} modules proved equal, "
-            f"{others} named with the reason why not; so are {len(self.not_simulated)} signed configurations "
+            f"{others} named with the reason why not; so are {len(NOT_SIMULATED)} signed configurations "
             "of which no netlist is simulated"
         )
 
@@ -191,7 +187,7 @@ def write_result(result: NetlistResult, command: str, path: Path = RESULT) -> Pa
         "replies": result.replies,
         "differences": result.differences,
         "runs": [asdict(run) for run in result.runs],
-        "not_simulated": dict(result.not_simulated),
+        "not_simulated": NOT_SIMULATED,
         "modules_proved": result.modules_proved,
         "modules": [
             {
@@ -206,6 +202,6 @@ def write_result(result: NetlistResult, command: str, path: Path = RESULT) -> Pa
             }
             for outcome in result.outcomes
         ],
-        "not_proved": dict(result.not_proved),
+        "not_proved": NOT_PROVED,
     }
     return write_evidence(path, content, SOURCES)

@@ -10,6 +10,7 @@ from typing import Any
 
 import hjson
 
+from triaxis.coverage.testplan import NOT_SIMULATED, TESTPLAN
 from triaxis.golden.errors import InputError
 from triaxis.golden.input_file import read_input
 from triaxis.golden.outputs import write_whole
@@ -21,7 +22,6 @@ from triaxis.verif.testbench.settings import BURST, PIN, width_of
 from triaxis.verif.testbench.table import Entry, Runs, configurations, table
 
 DEFINITION = Path(__file__).with_name("triaxis_sim_cfg.hjson")
-TESTPLAN = ROOT / "coverage" / "testplan.hjson"
 # The regression whose outcomes the history keeps, and the pairs of its volume.
 NIGHTLY = "nightly"
 _VOLUME, _VOLUME_JUDGED = 1_000_000_000, 1 << 16
@@ -31,8 +31,6 @@ _SEEDS = 1 << 31
 # longest.
 _LIMIT_MINUTES = 240
 _GOALS = frozenset({"regression", "pairs", "coverage", "uncovered"})
-# dvsim's word for a testpoint that no simulation is mapped to.
-_NO_SIMULATION = ["N/A"]
 
 
 @dataclass(frozen=True)
@@ -219,20 +217,20 @@ def _regression(raw: Mapping[str, Any], goal: Mapping[str, Any], items: Mapping[
     )  # fmt: skip
 
 
-def write_view(path: Path, items: Sequence[Item], testplan: Path = TESTPLAN) -> None:
+def write_view(path: Path, items: Sequence[Item]) -> None:
     """Write the testplan as dvsim wants it: the tests of a testpoint by their names in the regressions."""
     try:
-        content = hjson.loads(read_input(testplan).decode())
+        content = hjson.loads(read_input(TESTPLAN).decode())
         points = [_testpoint(point, items) for point in content["testpoints"]]
     except (hjson.HjsonDecodeError, KeyError, TypeError, AttributeError) as error:
-        raise InputError(f"{testplan}: not a testplan: {error!r}") from error
+        raise InputError(f"{TESTPLAN}: not a testplan: {error!r}") from error
     write_whole(path, json.dumps({"name": "triaxis", "testpoints": points}, indent=1) + "\n")
 
 
 def _testpoint(point: Mapping[str, Any], items: Sequence[Item]) -> dict[str, Any]:
     wanted = set(point.get("tests", []))
     names = [item.run.item for item in items if item.run.test in wanted]
-    return {**{key: point[key] for key in ("name", "desc", "stage")}, "tests": names or _NO_SIMULATION}
+    return {**{key: point[key] for key in ("name", "desc", "stage")}, "tests": names or [NOT_SIMULATED]}
 
 
 def in_checkout(path: Path) -> str:

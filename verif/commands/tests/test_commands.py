@@ -153,6 +153,7 @@ def test_the_exit_code_tells_whether_a_given_netlist_differs(monkeypatch, told, 
 
 HERE = Provenance("a" * 64, "b" * 64, "5.048", None, None)
 RUN = simulation.run_settings("FarTest", "w16_m0", 1, 9)
+COUNTS = {"accepted": 9, "checked": 9, "failed": 0}
 
 
 def outcomes(wrong):
@@ -172,7 +173,7 @@ RESULTS: dict[str, Any] = {
     "regress four-state": (
         regress, "run_four_state",
         lambda wrong: FourStateResult(
-            (simulation.RunResult(RUN, not wrong, 1.0, None, wrong, Path("log")),), HERE, False, 1.0
+            (simulation.RunResult(RUN, not wrong, 1.0, COUNTS, wrong, Path("log")),), HERE, False, 1.0
         ),
     ),
     "fpga gate": (fpga, "refusals", list),
