@@ -8,8 +8,10 @@ import argparse
 import re
 import sys
 import time
+from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 from filelock import FileLock
 
@@ -55,6 +57,11 @@ def unsent(result: RunResult) -> str:
     return f"{sent} of {wanted} pairs sent" if sent < _LEAST_SENT * wanted else ""
 
 
+def left_nothing(counts: Mapping[str, Any] | None, errors: Iterable[str]) -> bool:
+    """Return whether a run that failed left no result of its own, which says nothing of its seed."""
+    return counts is None and not any(map(_BLAME.search, errors))
+
+
 def _build(options: argparse.Namespace) -> int:
     """Build the simulators of a configuration, for the agents that need them."""
     failed = error_file(options.folder, options.config)
@@ -84,7 +91,7 @@ def _perform(run: PlannedRun, folder: Path, sources: str, waves: str) -> RunReco
     if result.passed and (told := unsent(result)):
         errors = (f"ERROR {told}",)
     passed = result.passed and not errors
-    silent = not passed and counts is None and not any(map(_BLAME.search, errors))
+    silent = not passed and left_nothing(counts, errors)
     found = result.counterexamples
     shown = "" if passed else result.waves_command
     return record_of(run, folder, sources, started, errors, passed, counts, found, silent, waves=shown)

@@ -14,6 +14,7 @@ import sys
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import closing, contextmanager
 from datetime import datetime
+from itertools import takewhile
 from pathlib import Path
 from typing import Any
 
@@ -23,6 +24,8 @@ from triaxis.golden.outputs import make_folder, write_whole
 from triaxis.sim.evidence import read_evidence
 from triaxis.sim.paths import BUILD
 from triaxis.verif.regress.definition import in_checkout
+from triaxis.verif.regress.failing import general
+from triaxis.verif.regress.one_job import left_nothing
 
 DATABASE = BUILD / "history" / "results.sqlite"
 SIGNOFF, MUTATION, POWER = "sign-off", "mutation", "power"
@@ -239,9 +242,12 @@ def _signoff(content: Content) -> Iterator[tuple[str, Content]]:
     for point in parts["testplan"].get("testpoints", ()):
         yield "testpoint", {key: point[key] for key in ("name", "stage", "passed")}
     for run in runs:
-        said = "; ".join(run["explanation"] or ()) or None
+        # Of what was told of it, between its name and its log.
+        errors = [*takewhile(lambda line: not line.startswith("  log:"), (run["explanation"] or ())[1:])]
         pairs = run["counts"]["checked"] if run["counts"] else None
-        yield "run", _run(run, pairs, said) | {"flaky": False, "silent": False}
+        silent = not run["passed"] and left_nothing(run["counts"], errors)
+        said = general(errors[0]) if errors else None
+        yield "run", _run(run, pairs, said) | {"flaky": False, "silent": silent}
     yield from _functional(parts["simulation"].get("coverage", {}))
     for file, kinds in parts["code_coverage"].get("files", {}).items():
         for kind, total in kinds.items():

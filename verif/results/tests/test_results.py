@@ -132,6 +132,26 @@ def test_what_is_added_counts_once_and_is_what_the_files_say(database, tmp_path)
     assert sorted(rows(database, runs)) == [(1, 0, 100, 50.0, 50.0), (5, 1, 500, 2.15, 2.5)]
 
 
+def test_of_a_sign_offs_runs_it_says_as_much_as_of_others(tmp_path):
+    path = tmp_path / "results.sqlite"
+    for number, errors in enumerate(
+        (["no error line: the simulator ended early"], ["%Error: Rule 7 failed"])
+    ):
+        content = good_content()
+        content["date"] = f"2026-01-0{number + 1}T00:00:00+00:00"
+        said = [
+            "FAILED VolumeTest, w16_m0, seed 1",
+            *(f"  {error}" for error in errors),
+            "  log:    ERROR.log",
+        ]
+        content["parts"]["simulation"]["runs"][0] |= {"passed": False, "counts": None, "explanation": said}
+        add_evidence(write_evidence(tmp_path / "signoff.json", content, SIGNED), path)
+    # What was killed says nothing of its seed, so that it is not flaky where it passes another time.
+    assert rows(path, "SELECT silent, said FROM run WHERE NOT passed ORDER BY result") == [
+        (1, "no error line: the simulator ended early"), (0, "%Error: Rule N failed"),
+    ]  # fmt: skip
+
+
 def test_seeds_that_both_passed_and_failed_on_the_same_sources_are_flaky(database, tmp_path):
     flaky = "SELECT test, seed, runs, failed FROM flaky"
     assert rows(database, flaky) == [("RandomTest", 2, 2, 1)]
