@@ -6,6 +6,7 @@ The one place that turns measured figures into a verdict; the gate asks it again
 import tomllib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from math import isfinite
 from pathlib import Path
 from typing import Any
 
@@ -106,7 +107,7 @@ def _figure(name: str, entry: Any, path: Path) -> Figure:
     is_most = "at_most" in entry
     bounds = entry["at_most" if is_most else "at_least"]
     good = isinstance(bounds, dict) and all(
-        stage in STAGES and isinstance(bound, int | float) for stage, bound in bounds.items()
+        stage in STAGES and type(bound) in (int, float) and isfinite(bound) for stage, bound in bounds.items()
     )
     if not good or STAGES[-1] not in bounds:
         raise InputError(f"{where}: bounds must be numbers for {', '.join(STAGES)}; {STAGES[-1]} needs one")

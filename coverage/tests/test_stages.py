@@ -52,6 +52,8 @@ def test_damaged_bounds_are_refused(tmp_path):
         ("at_least = { V2 = 90 }", "V3 needs one"),
         ("at_least = { V2 = 100, V3 = 90 }", "asks for less"),
         ("at_least = { V2 = 90, V9 = 100 }", "must be numbers"),
+        ("at_least = { V3 = true }", "must be numbers"),
+        ("at_least = { V3 = nan }", "must be numbers"),
         ("wanted = 100", "must hold meaning"),
         ("unit = ", "cannot be read"),
     ):

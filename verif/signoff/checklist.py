@@ -143,7 +143,7 @@ def _without(item: Item, figures: Values, parts: Mapping[str, Part], root: Path)
     found = [path for path in paths if pattern.search(path.read_text(encoding="utf-8"))]
     if found:
         return Answer.OPEN, ", ".join(str(path.relative_to(root)) for path in found)
-    return Answer.MET, f"in none of {len(paths)} files"
+    return Answer.MET if paths else Answer.OPEN, f"in none of {len(paths)} files"
 
 
 _ANSWERS: dict[str, Callable[[Item, Values, Mapping[str, Part], Path], _Answer]] = {

@@ -54,6 +54,8 @@ def test_figures_parts_files_and_patterns_can_say_no(tmp_path):
         found, lines = checked(tmp_path, "D1", f"file = {files}")
         assert found.answer is answer and len(lines) == (answer is Answer.OPEN)
     (tmp_path / "dut").mkdir()
+    # Where nothing is looked at nothing is found.
+    assert checked(tmp_path, "D2", 'without = "to be done"')[0].answer is Answer.OPEN
     for text, answer in (("// done", Answer.MET), ("// to be done", Answer.OPEN)):
         (tmp_path / "dut" / "a.sv").write_text(text)
         assert checked(tmp_path, "D2", 'without = "to be done"')[0].answer is answer
