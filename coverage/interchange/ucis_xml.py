@@ -2,8 +2,8 @@
 
 What is what:
 
-    instance      one for each coverage model, that is, for each configuration of the core; for code, one
-                  for each build measured, and below it one for each instance that has counters
+    instance      one for each coverage model, that is, for each configuration, of the board for all; for
+                  code, one for each build measured, and below it one for each instance that has counters
     covergroup    an item of the model, by its name; its meaning is the comment
     coverpoint    the point of an item that has one; its bins are of type bins, ignore or illegal
     cross         the bins that count of an item that has several
@@ -35,10 +35,12 @@ from triaxis.coverage.counts import Counts, CoverageDatabase
 from triaxis.coverage.cover_model import Bin, CoverItem, CoverModel, Hits, Kind
 from triaxis.coverage.interchange.lcov import branch_statements
 from triaxis.golden.outputs import write_whole
+from triaxis.sim.configuration import parse_configuration
 
 _VERSION = "1.0"
 _TOOL = "triaxis"
-_MODULE = "triaxis_core"
+# What runs drive, by how the name of a model begins; of the core its configuration tells.
+_TOPS = {"mesh": "triaxis_mesh", "board": "nexys4ddr_top"}
 _CATEGORY = "UCIS:Simulator"
 
 
@@ -121,12 +123,13 @@ class _Document:
 
     def _model(self, model: CoverModel[Any], counts: Counts) -> None:
         source = _source(model)
-        instance = self._instance(model.name, _MODULE, source)
+        module = _module(model.name)
+        instance = self._instance(model.name, module, source)
         for item in model.items:
             coverage = SubElement(instance, "covergroupCoverage")
             group = SubElement(coverage, "cgInstance", name=item.name, key="0")
             SubElement(group, "options", comment=item.meaning, per_instance="true")
-            identity = SubElement(group, "cgId", cgName=item.name, moduleName=_MODULE)
+            identity = SubElement(group, "cgId", cgName=item.name, moduleName=module)
             self._id(identity, "cginstSourceId", source)
             self._id(identity, "cgSourceId", source)
             for key, point in enumerate(_points(item, counts.hits[item.name])):
@@ -178,6 +181,12 @@ def _source(model: CoverModel[Any]) -> str:
     """Return the file that defines a model, as far as it says."""
     modules = model.sources.modules
     return f"{modules[0].removeprefix('triaxis.').replace('.', '/')}.py" if modules else model.name
+
+
+def _module(model: str) -> str:
+    """Return the module that the runs of a model drive; of a model of no block its own name."""
+    block, _, config = model.partition("_")
+    return parse_configuration(config).top if block == "core" else _TOPS.get(block, model)
 
 
 def _flag(value: bool) -> str:

@@ -1,7 +1,9 @@
 """Tracefiles of lcov say what the counters say, and UCIS XML read back by pyucis what the database says."""
 
+from dataclasses import replace
 from datetime import UTC, datetime
 from typing import Any
+from xml.etree import ElementTree
 
 import pytest
 
@@ -63,6 +65,17 @@ def test_counters_of_another_checkout_or_of_nothing_are_refused(models, tmp_path
     with pytest.raises(InputError, match="no line or branch counters"):
         write_lcov(tmp_path / "t.info", models, tmp_path)
     assert not list(tmp_path.glob("*.info*")) and not list(tmp_path.glob(".*"))
+
+
+def test_each_model_is_of_the_module_that_its_runs_drive(tmp_path):
+    modules = {
+        "core_w8_m8": "triaxis_core", "core_w8_m8_certified": "triaxis_certified_core",
+        "mesh_w16_m16_d64_g8_l8": "triaxis_mesh", "board": "nexys4ddr_top",
+    }  # fmt: skip
+    database = CoverageDatabase(replace(SMALL, name=name) for name in modules)
+    root = ElementTree.parse(write_ucis(tmp_path / "a.xml", database, {}, [])).getroot()
+    assert {one.get("name"): one.get("moduleName") for one in root.iter("instanceCoverages")} == modules
+    assert {one.get("moduleName") for one in root.iter("cgId")} == set(modules.values())
 
 
 SIZE = Coverpoint[Any]("size", ("<small> & 'low'", "medium", "large", "huge"), lambda s: s)
