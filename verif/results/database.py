@@ -110,8 +110,11 @@ def add_evidence(file: Path, path: Path = DATABASE) -> bool:
 
     Raises InputError where it is none of these, or not whole.
     """
-    # No pipe, which may have nothing to say for ever.
-    content = read_evidence(file) if file.exists() and read_input(file) else None
+    content = None
+    if file.exists():
+        # No pipe, which may have nothing to say for ever.
+        read_input(file)
+        content = read_evidence(file)
     if content is None:
         raise InputError(
             f"{file}: no such file: name results.json, signoff.json, mutation.json or power.json of a run"

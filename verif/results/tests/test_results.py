@@ -132,6 +132,12 @@ def test_what_is_added_counts_once_and_is_what_the_files_say(database, tmp_path)
     assert sorted(rows(database, runs)) == [(1, 0, 100, 50.0, 50.0), (5, 1, 500, 2.15, 2.5)]
 
 
+def test_an_empty_file_is_there_and_is_no_evidence(tmp_path):
+    (tmp_path / "results.json").touch()
+    with pytest.raises(InputError, match="not readable as evidence"):
+        add_evidence(tmp_path / "results.json", tmp_path / "results.sqlite")
+
+
 def test_of_a_sign_offs_runs_it_says_as_much_as_of_others(tmp_path):
     path = tmp_path / "results.sqlite"
     for number, errors in enumerate(
