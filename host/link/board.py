@@ -34,9 +34,11 @@ from triaxis.host.link.messages import (
 )  # fmt: skip
 from triaxis.host.link.wire import LayoutError, Record
 
-# A dead master's board is free once its watchdog has expired: of a simulated one in seconds.
-_TAKEOVER_SECONDS = 5.0
-_BETWEEN_HELLOS = 0.05
+# A dead master's board is free once its watchdog has run out. With a simulated one that takes as long as its
+# machine is slow: so not seconds are counted, but its refusals. One takes its line 600 clocks at the least,
+# and its watchdog has 100,000.
+_REFUSALS, _BETWEEN_HELLOS = 200, 0.025
+_SILENT_HELLO_SECONDS = 5.0
 # A run without news: one clock a facet pair, and a simulated board of 50,000 clocks a second.
 _SILENT_SECONDS, _SECONDS_PER_PAIR = 30.0, 20e-6
 # The engine reads its meshes again a triangle a clock.
@@ -73,28 +75,28 @@ class Board:
         self._runs = 0
         self._holds = False
 
-    def hello(self, seconds: float = _TAKEOVER_SECONDS) -> Description:
-        """Take the board in a new session, empty; wait so long for another master's end."""
+    def hello(self) -> Description:
+        """Take the board in a new session, empty; where another master has it, wait for its end."""
         self._exchange.renew()
         self._forget()
         frame = self._exchange.next_frame(Command.HELLO, b"")
         self._line.drop_input()
-        deadline = self._line.now() + seconds
-        refused = False
+        deadline, refusals = self._line.now() + _SILENT_HELLO_SECONDS, 0
         while self._line.now() < deadline:
-            reply = self._exchange.send(Command.HELLO, frame, 4 * _BETWEEN_HELLOS)
+            reply = self._exchange.send(Command.HELLO, frame, 8 * _BETWEEN_HELLOS)
             if reply and reply.head.code == Code.OK:
                 return self._described(reply.payload)
+            if reply and reply.head.code == Code.OTHER_SESSION:
+                deadline, refusals = self._line.now() + _SILENT_HELLO_SECONDS, refusals + 1
+            if refusals == _REFUSALS:
+                raise LinkError(
+                    f"{self._line.name}: the board belongs to another master: end that program, then repeat"
+                )
             if reply:
-                refused |= reply.head.code == Code.OTHER_SESSION
                 self._line.wait(_BETWEEN_HELLOS)
-        if refused:
-            raise LinkError(
-                f"{self._line.name}: the board belongs to another master: end that program, then repeat"
-            )
         raise LinkError(
-            f"{self._line.name}: no answer in {seconds:g} s: check that this is the board's port, that it "
-            "has power and that its bitstream is loaded"
+            f"{self._line.name}: no answer in {_SILENT_HELLO_SECONDS:g} s: check that this is the board's "
+            "port, that it has power and that its bitstream is loaded"
         )
 
     def _described(self, payload: bytes) -> Description:

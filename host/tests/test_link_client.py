@@ -330,6 +330,15 @@ def test_silence_is_said(command):
     assert line.time < 8
 
 
+def test_a_board_of_a_slow_machine_is_waited_for_until_its_watchdog_has_run_out():
+    line = ScriptedLine()
+    # No board says more in 100,000 clocks; its machine takes a second for each.
+    refusals = iter([(Code.OTHER_SESSION, b"")] * 166)
+    line.answers[Command.HELLO] = lambda: line.wait(1) or next(refusals, (Code.OK, twice(BOARD.pack())))
+    assert Board(line).hello() == BOARD
+    assert line.time > 166
+
+
 def test_the_same_frame_is_sent_again_until_it_is_answered():
     line = ScriptedLine()
     silences = iter([None, None])
