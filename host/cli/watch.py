@@ -207,7 +207,7 @@ def run(options: argparse.Namespace) -> int:
 def _check_numbers(options: argparse.Namespace) -> None:
     if options.speed is None or options.speed <= 0:
         raise InputError("--speed: say how fast any axis may move, in mm/s, as in --speed 250")
-    for name in ("length", "lag"):
+    for name in ("length", "lag", "scale"):
         if getattr(options, name) <= 0:
             raise InputError(f"--{name}: must be more than 0: correct it")
     for name in ("age", "braking", "deviation"):

@@ -151,6 +151,7 @@ BAD_OPTIONS = {
         ("p.nc --port x --speed 9 --age -1", "--age: must not be negative"),
         ("p.nc --port x --speed 9 --age 20", "--age 20: must be less than --lag 20, which holds it"),
         ("p.nc --port x --speed 9 --hold 0", "hold 0: must be 1.."),
+        ("p.nc --port x --speed 9 --scale 0", "--scale: must be more than 0"),
         # Of the tests nothing comes that way.
         ("p.nc --port x --speed 9", "positions: standard input is closed: give them there, or by --pos"),
         ("p.nc --port x --speed 9 --positions /etc/passwd", "an ordinary file does not say when"),
