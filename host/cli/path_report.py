@@ -2,6 +2,7 @@
 
 import argparse
 from dataclasses import dataclass, replace
+from decimal import ROUND_CEILING, ROUND_FLOOR, Context
 from fractions import Fraction
 from typing import Any
 
@@ -164,9 +165,14 @@ def print_nearest(profile: Profile) -> None:
     place = place_words(least.position, least.angles)
     print(
         f"clearance at {profile.places} places: least in line {least.line} at {place}: {least.what} and "
-        f"{least.of}, {proven:.4g} to {least.seen:.4g} mm (Chebyshev)"
+        f"{least.of}, {_bound(proven, ROUND_FLOOR)} to {_bound(least.seen, ROUND_CEILING)} mm (Chebyshev)"
         + (f", there {float(profile.euclidean):.4g} mm (Euclid)" if profile.euclidean is not None else "")
     )
+
+
+def _bound(value: float, rounding: str) -> str:
+    """Return a bound to four digits, which is one as well."""
+    return f"{Context(4, rounding).create_decimal_from_float(value).normalize():f}"
 
 
 def print_verdict(checked: RuleCheck, several: bool) -> None:

@@ -19,9 +19,10 @@ from triaxis.golden.exact import Rational
 from triaxis.golden.judge import judge
 from triaxis.host import scenes
 from triaxis.host.cli import main
+from triaxis.host.cli.path_report import Profile, print_nearest
 from triaxis.host.engines import BulkEngine, DecidingEngine, MeshEngineScene, scene_engine
 from triaxis.host.euclidean import EuclideanEngine, squared_distance
-from triaxis.host.motion.clearance import clearances, places
+from triaxis.host.motion.clearance import Clearance, clearances, places
 from triaxis.host.motion.contact import Rule
 from triaxis.host.motion.curves import arc, centre_by_radius
 from triaxis.host.motion.moves import Move, Program
@@ -395,6 +396,16 @@ def test_a_move_is_in_a_zone_where_the_tool_comes_within_it(rng):
                 else:
                     assert least > width
     assert 10 < told[0] < told[1] < 150
+
+
+@pytest.mark.parametrize(
+    ("proven", "seen", "told"),
+    [(1.99996, 2.00004, "1.999 to 2.001"), (0.5, 0.75, "0.5 to 0.75"), (0.0, 12345.6, "0 to 12350")],
+)
+def test_bounds_are_rounded_outwards(proven, seen, told, capsys):
+    least = Clearance(0, 7, 0.0, NOWHERE, NOWHERE, "the tool", "the vise", proven, seen)
+    print_nearest(Profile([least], 1, Effort()))
+    assert f"the tool and the vise, {told} mm (Chebyshev)" in capsys.readouterr().out
 
 
 def test_what_does_not_fit_is_refused():
