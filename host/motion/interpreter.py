@@ -26,9 +26,9 @@ from triaxis.host.motion.curves import Curve, arc, centre_by_radius
 from triaxis.host.motion.expression import Approximate, Key, Value, exact
 from triaxis.host.motion.gcode import POLAR, Block, Word
 from triaxis.host.motion.kinematics import ROTARY
-from triaxis.host.motion.machine import SYSTEMS, Machine
-from triaxis.host.motion.moves import Move
+from triaxis.host.motion.machine import SYSTEMS
 from triaxis.host.motion.nurbs import nurbs
+from triaxis.host.motion.reading import Reading
 from triaxis.host.motion.words import ARCS, CYCLES, GROUPS, TAKERS, TAKING_AXES, WHY_REFUSED
 from triaxis.host.quantise import Vector, added, vector
 
@@ -99,18 +99,14 @@ class ControlPoints:
 
 
 @dataclass
-class Interpreter:
+class Interpreter(Reading):
     """Runs blocks. ``position``: of the spindle's nose; ``zeros``: of the systems, where they are known."""
 
-    machine: Machine
     position: Vector
     zeros: dict[str, Vector]
-    loaded: int | None
     modal: Modal
     # Of the program, that runs now.
     line: int = 0
-    # Of A, B and C.
-    turned: Vector = ORIGIN
     shift: Vector = ORIGIN
     shifted: bool = True
     # Whether the program has said what G92 is.
@@ -118,8 +114,6 @@ class Interpreter:
     # Whose length G43 adds; None without compensation.
     offset: int | None = None
     compensation: Vector = ORIGIN
-    # How often a tool was changed.
-    changes: int = 0
     # By T; None before the first: what the control has selected then nobody tells.
     chosen: int | None = None
     cycle: dict[str, Fraction] = field(default_factory=dict)
@@ -128,12 +122,7 @@ class Interpreter:
     begun_with: tuple[object, ...] = ()
     # Of which tool, with which compensation all moves are, where lengths are not known.
     basis: tuple[int | None, int | None] | None = None
-    blended: Fraction = Fraction(0)
     nurbs: ControlPoints | None = None
-    # Whether the program, or the machine file, says how exactly the path is followed.
-    exact_path: bool = False
-    moves: list[Move] = field(default_factory=list)
-    notes: dict[str, str] = field(default_factory=dict)
     refused: list[InputError] = field(default_factory=list)
 
     def ask(self, key: Key) -> Value | None:
@@ -360,7 +349,7 @@ class Interpreter:
             why = "the tool in the spindle to some controls, and tool 0 to others: say which, by its number"
             raise place.error(words["H"].text, why)
         self.offset = -1 if number is None else number
-        length = self._length(number)
+        length = self.length_of(number)
         if length is not None:
             self.compensation = vector((Fraction(0), Fraction(0), length))
         elif number == 0 or self.loaded not in (None, number):
@@ -370,14 +359,10 @@ class Interpreter:
         else:
             self.notes["length"] = f"line {self.line}: {word.text} is taken for the tool's true length"
 
-    def _length(self, number: int | None) -> Fraction | None:
-        tool = self.machine.tools.get(-1 if number is None else number)
-        return tool.length if tool else None
-
     def _known(self) -> bool:
         """Return whether all lengths are known that say where the tool's origin is."""
-        return self._length(self.loaded) is not None and (
-            self.offset is None or self._length(self.offset) is not None
+        return self.length_of(self.loaded) is not None and (
+            self.offset is None or self.length_of(self.offset) is not None
         )
 
     def _absolute(self, place: Place, word: Word) -> Vector:
@@ -765,10 +750,8 @@ class Interpreter:
         turned: Vector | None = None,
     ) -> None:  # fmt: skip
         """Move the spindle's nose, and the tool with it."""
-        tools = self.machine.tools
-        if tools and self.loaded is None:
+        if self.machine.tools and self.loaded is None:
             raise place.error("move", "no tool is in the spindle: change to one, or give `loaded`")
-        down = self._length(self.loaded)
         basis = None if self._known() else (self.loaded, self.offset)
         if self.moves and basis != self.basis:
             why = "moves of tools, or with offsets, whose lengths are not known: give all in a machine file"
@@ -777,23 +760,8 @@ class Interpreter:
             why = "with the length of another tool than the one in the spindle: give all in a machine file"
             raise place.error("move", why)
         self.basis = basis
-        start, end = self.position, target
-        if down:
-            below = vector((Rational(0), Rational(0), -Rational(down)))
-            start, end = added(start, below), added(end, below)
-            curve = curve and curve.moved(below)
-        straight = curve is None and (not rapid or self.machine.straight)
-        # The corner between two moves is rounded by the larger tolerance of both.
-        blended, self.blended = max(self.modal.tolerance, self.blended), self.modal.tolerance
-        slack = blended if curve is None else blended + curve.slack
-        if not (rapid or self.exact_path):
-            told = "without G61 or G64 the path is taken for exactly followed"
-            self.notes.setdefault("path mode", f"line {self.line}: {told}")
-        turns = self.turned, turned or self.turned
-        tool, changes = self.loaded or 0, self.changes
-        move = Move(self.line, start, end, rapid, straight, curve, slack, tool, turns, changes=changes)
+        start, self.position = self.position, target
         try:
-            self.moves.append(self.machine.turned(move, self.moves, blended))
+            self.go(self.line, start, target, rapid, curve, turned or self.turned, self.modal.tolerance)
         except ValueError as error:
             raise place.error("move", str(error)) from error
-        self.position, self.turned = target, turns[1]

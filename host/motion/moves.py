@@ -1,8 +1,6 @@
-"""The moves of a program, and what was assumed in reading it."""
+"""The moves of a program."""
 
 import math
-import re
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import cached_property
@@ -14,16 +12,6 @@ from triaxis.host.motion.curves import Curve
 from triaxis.host.quantise import NOWHERE, Vector, vector
 from triaxis.host.stl import Facets
 
-# What a program may leave to the control, and what says it; comments.
-_STATE = {
-    assumed: re.compile(rf"[Gg]\s*0*(?:{codes})(?!\.?\d)")
-    for assumed, codes in (
-        ("G90", "9[01]"), ("G17", "1[789]"), ("G54", r"5[4-9]|59\.[123]"), ("no G92", r"92\.[12]"),
-        ("no length compensation", r"43(?:\.1)?|49"),
-    )
-}  # fmt: skip
-_CALL = re.compile(r"^\s*(?:N\s*\d+\s*)?O.*CALL", re.IGNORECASE | re.ASCII)
-_COMMENT = re.compile(r"\([^)]*\)|;.*")
 # Chords that a turn of a curve is drawn with, and of how many turns: more are a ring of ink.
 _DRAWN, _DRAWN_TURNS = 32, 100
 
@@ -83,12 +71,6 @@ class Move:
         return vector(map(min, ends)), vector(map(max, ends))
 
 
-# Of `Program.changes`.
-LATE_CHANGE = (
-    "the tool that is changed to after the last move is not checked where it is then: add a move there"
-)
-
-
 @dataclass(frozen=True)
 class Program:
     """The moves of a file, and what was assumed in reading it, a line each.
@@ -114,28 +96,3 @@ class Program:
         """Return the numbers of moves that do not start where the one before ends."""
         moves = self.moves
         return [k for k in range(len(moves)) if not k or moves[k].start != moves[k - 1].end]
-
-
-def assumed_state(lines: Sequence[str], moves: Sequence[Move]) -> str:
-    """Return the note of what no line up to the first move says: what the control has then; "" where nothing.
-
-    An aborted program may leave G91, another system or plane; G92 and G43 stay after M2.
-    """
-    # A move of a subroutine stands before the call, and what is said before that counts.
-    called = next((count for count, line in enumerate(lines, 1) if _CALL.search(line)), 0)
-    said = (line for line in lines[: max(moves[0].line, called)] if not line.lstrip().startswith("/"))
-    text = "\n".join(_COMMENT.sub("", line) for line in said)
-    curved = any(move.curve is not None for move in moves)
-    missing = [
-        assumed
-        for assumed, pattern in _STATE.items()
-        if pattern.search(text) is None and (curved or assumed != "G17")
-    ]
-    if not missing:
-        return ""
-    return f"line {moves[0].line}: assumed, as no line up to the first move says it: {', '.join(missing)}"
-
-
-def assumed_start(moves: Sequence[Move]) -> str:
-    """Return the note of a program whose start nobody has said."""
-    return f"line {moves[0].line}: the first move starts at X0 Y0 Z0, which is assumed: give --start"

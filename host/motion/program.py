@@ -10,8 +10,7 @@ from triaxis.host.motion.expression import Memory
 from triaxis.host.motion.gcode import Execution
 from triaxis.host.motion.interpreter import ORIGIN, Interpreter, Modal
 from triaxis.host.motion.machine import Machine
-from triaxis.host.motion.moves import LATE_CHANGE, Program, assumed_start, assumed_state
-from triaxis.host.motion.program_text import lines_of
+from triaxis.host.motion.moves import Program
 from triaxis.host.quantise import Vector, vector
 
 # Lines after which progress is told.
@@ -36,10 +35,8 @@ def read_program(
         if "G54" in machine.offsets
     }
     modal = Modal(tolerance=machine.tolerance or Fraction(0))
-    state = Interpreter(
-        machine, vector(map(Rational, start or ORIGIN)), {"G54": ORIGIN, **zeros}, machine.loaded, modal
-    )
-    state.exact_path = machine.tolerance is not None
+    here = vector(map(Rational, start or ORIGIN))
+    state = Interpreter(here, {"G54": ORIGIN, **zeros}, modal, machine=machine, loaded=machine.loaded)
     memory = Memory(state.ask)
     try:
         _run(Execution(path, memory, skip_optional), state, skip_optional, progress)
@@ -49,17 +46,7 @@ def read_program(
     except RecursionError as error:
         raise InputError(f"{path}: expressions or O words nested too deeply: simplify it") from error
     state.tell_refused()
-    if not state.moves:
-        raise InputError(f"{path}: no moves: a program with at least one G0 or G1 move is needed")
-    if start is None:
-        state.notes["start"] = assumed_start(state.moves)
-    if state_note := assumed_state(lines_of(path), state.moves):
-        state.notes["state"] = state_note
-    state.notes |= machine.assumed
-    changes = (state.loaded or 0, state.changes) != (state.moves[-1].tool, state.moves[-1].changes)
-    if changes:
-        state.notes["late change"] = LATE_CHANGE
-    return Program(path, tuple(state.moves), tuple(state.notes.values()), changes)
+    return state.program(path, start)
 
 
 def _run(execution: Execution, state: Interpreter, skip_optional: bool, progress: Progress) -> None:

@@ -26,9 +26,10 @@ from triaxis.host.motion.expression import number
 from triaxis.host.motion.interpreter import JOINED, PALLET
 from triaxis.host.motion.kinematics import ROTARY
 from triaxis.host.motion.machine import SYSTEMS, Machine
-from triaxis.host.motion.moves import LATE_CHANGE, Move, Program, assumed_start, assumed_state
+from triaxis.host.motion.moves import Program
 from triaxis.host.motion.program import TOLD_AFTER, read_program
-from triaxis.host.motion.program_text import lines_of, runs_python
+from triaxis.host.motion.program_text import runs_python
+from triaxis.host.motion.reading import Reading
 from triaxis.host.motion.rs274_text import prepared, unset
 from triaxis.host.quantise import NOWHERE, Vector, added, vector
 
@@ -68,12 +69,10 @@ class _SplineError(Exception):
 
 
 @dataclass
-class _Told:
+class _Told(Reading):
     """What the interpreter has told: offsets, units, tool; and the moves that follow, in millimetres."""
 
     path: Path
-    machine: Machine
-    loaded: int | None = None
     unit: Fraction = Rational(1)  # noqa: RUF009
     # Zero of the system, G92, length compensation; and how far each printed number may be off.
     offsets: dict[str, Vector] = field(default_factory=lambda: dict.fromkeys(_OFFSETS, NOWHERE))
@@ -82,10 +81,8 @@ class _Told:
     plane: str = "XY"
     tolerance: Fraction = Fraction(0)
     joined: Fraction = Fraction(0)
-    blended: Fraction = Fraction(0)
     position: Vector | None = None
-    # Of A, B and C, and their offsets: of the system, and G92.
-    turned: Vector = NOWHERE
+    # The offsets of A, B and C: of the system, and G92.
     turned_by: dict[str, Vector] = field(default_factory=dict[str, Vector])
     # Whether the program may turn systems; how far from their zero anything was, in X and Y together.
     turns: bool = False
@@ -94,13 +91,10 @@ class _Told:
     changed: int = -1
     numbered: bool = True
     stale: bool = False
-    # How often a tool was changed; whether a T has been told.
-    changes: int = 0
+    # Whether a T has been told.
     chosen: bool = False
     # Lines that were given as two.
     split: frozenset[int] = frozenset()
-    moves: list[Move] = field(default_factory=list)
-    notes: dict[str, str] = field(default_factory=dict)
 
     def told(self, line: int, call: str, text: str, numbered: bool) -> None:
         """Take a call; raise ValueError where it is not understood.
@@ -150,9 +144,7 @@ class _Told:
 
     def _path_mode(self, text: str) -> None:
         mode, *tolerance = text.split(", ")
-        self.tolerance = Fraction(0)
-        if all(move.rapid for move in self.moves):
-            self.notes["path mode"] = ""
+        self.tolerance, self.exact_path = Fraction(0), True
         if mode == "CANON_CONTINUOUS":
             given = number(tolerance[0])
             self.tolerance = (given + _HALF) * self.unit if given else given
@@ -291,32 +283,20 @@ class _Told:
         self, line: int, target: Vector, rapid: bool, curve: Curve | None = None, turned: Vector | None = None
     ) -> None:
         start, self.position = self.position, target
-        turns = self.turned, turned or self.turned
-        self.turned = turns[1]
         # The first goes to where the program begins.
         if start is None:
+            self.turned = turned or self.turned
             return
-        tools = self.machine.tools
-        if tools and self.loaded is None:
+        if self.machine.tools and self.loaded is None:
             raise ValueError("no tool is in the spindle: change to one, or give `loaded` in the machine file")
         self.stale &= start[2] == target[2]
-        tool = None if self.loaded is None else tools.get(self.loaded)
-        length = tool.length if tool else None
-        if length is None and any(self.offsets["compensation"]):
+        if self.length_of(self.loaded) is None and any(self.offsets["compensation"]):
             raise ValueError("a move with length compensation, of a tool whose length is not known: give it")
-        below = vector((Rational(0), Rational(0), -Rational(length or 0)))
-        start, end = (added(p, below) for p in (start, target))
+        self.notes.setdefault("units", f"line {line}: no G20 or G21 before it: millimetres assumed")
         # The centre of an arc moves all of it.
         printed = self._error() * (1 if curve is None else 3)
         tolerance = self.tolerance + self.joined
-        blended, self.blended = max(tolerance, self.blended), tolerance
-        slack = blended + printed + (curve.slack if curve is not None else 0)
-        straight = curve is None and (not rapid or self.machine.straight)
-        moved = curve.moved(below) if curve is not None else None
-        move = Move(
-            line, start, end, rapid, straight, moved, slack, self.loaded or 0, turns, 6 * _HALF, self.changes
-        )  # fmt: skip
-        self.moves.append(self.machine.turned(move, self.moves, blended))
+        self.go(line, start, target, rapid, curve, turned or self.turned, tolerance, printed, 6 * _HALF)
 
 
 _CALLS: dict[str, Callable[[_Told, int, list[Fraction], list[Fraction]], None]] = {
@@ -400,8 +380,8 @@ def read_by_rs274(
         if done:
             raise _refusal(path, (folder / _ERRORS).read_text(errors="replace"))
         state = _Told(
-            path, machine, machine.loaded, tolerance=machine.tolerance or Fraction(0), split=text.split,
-            turns=text.turns,
+            path, machine=machine, loaded=machine.loaded, tolerance=machine.tolerance or Fraction(0),
+            split=text.split, turns=text.turns,
         )  # fmt: skip
         with (folder / _PRINTED).open(errors="replace") as calls:
             spline = _take(state, calls, progress)
@@ -409,24 +389,10 @@ def read_by_rs274(
         program = read_program(path, start, skip_optional, machine)
         note = f"line {spline}: a spline, which it does not print: the program was read without rs274"
         return replace(program, notes=(*program.notes, note))
-    if not state.moves:
-        raise InputError(f"{path}: no moves: a program with at least one G0 or G1 move is needed")
-    if start is None:
-        state.notes["start"] = assumed_start(state.moves)
     if text.optional:
         told = "left out" if skip_optional else "run"
         state.notes["optional"] = f"lines that begin with / are {told}"
-    state.notes["state"] = assumed_state(lines_of(path), state.moves)
-    state.notes |= machine.assumed
-    line = state.moves[0].line
-    state.notes.setdefault("units", f"line {line}: no G20 or G21 before it: millimetres assumed")
-    if machine.tolerance is None and not all(move.rapid for move in state.moves):
-        told = "without G61 or G64 the path is taken for exactly followed"
-        state.notes.setdefault("path mode", f"line {line}: {told}")
-    changes = (state.loaded or 0, state.changes) != (state.moves[-1].tool, state.moves[-1].changes)
-    if changes:
-        state.notes["late change"] = LATE_CHANGE
-    return Program(path, tuple(state.moves), tuple(filter(None, state.notes.values())), changes)
+    return state.program(path, start)
 
 
 def _refusal(path: Path, errors: str) -> InputError:
