@@ -21,7 +21,7 @@ from triaxis.host.motion.contact import Rule
 from triaxis.host.motion.moves import Move, Program
 from triaxis.host.motion.path_check import Effort
 from triaxis.host.motion.path_scene import PathScene, Wanted, nearest
-from triaxis.host.quantise import Vector, vector
+from triaxis.host.quantise import Vector
 from triaxis.host.scene import Pose, prepare
 
 # The bounds are left this far apart: in steps of the grid, and as a part of the clearance.
@@ -89,7 +89,7 @@ def clearances(
     for rule in rules:
         moves = dict(zip(rule.numbers, rule.program.moves, strict=True))
         here = [place for place in chosen if place.move in moves]
-        standing = tuple(_standing(moves[place.move], place.part) for place in here)
+        standing = tuple(_at(moves[place.move], place.part) for place in here)
         for piece in rule.standing(standing) if standing else ():
             scene = rule.scene(piece, wanted)
             looking = _Looking(scene, engine_of(scene), rule.names, effort)
@@ -105,7 +105,7 @@ def clearances(
                 progress(1)
     found = list[Clearance]()
     for place, bounds in least.items():
-        move = _standing(program.moves[place.move], place.part)
+        move = _at(program.moves[place.move], place.part)
         found.append(
             Clearance(
                 place.move,
@@ -126,12 +126,9 @@ def euclidean_at(least: Clearance, program: Program, rules: Sequence[Rule], want
 
     It is exact, of turned meshes of what turning makes of them.
     """
-    names, turns = (least.what, least.of), (least.angles, least.angles)
+    names = least.what, least.of
     rule = next(rule for rule in rules if rule.names == names and least.move in rule.numbers)
-    move = replace(
-        program.moves[least.move], start=least.position, end=least.position, curve=None, straight=True,
-        turns=turns,
-    )  # fmt: skip
+    move = _standing(program.moves[least.move], least.position, least.angles)
     piece = next(rule.standing((move,)))
     scene = rule.scene(piece, wanted)
     pose = Pose(move=scene.in_files(piece.moves[0].start))
@@ -140,11 +137,13 @@ def euclidean_at(least: Clearance, program: Program, rules: Sequence[Rule], want
     return Fraction(least_distance(meshes, True).distance) * wanted.scale
 
 
-def _standing(move: Move, part: Fraction) -> Move:
+def _at(move: Move, part: Fraction) -> Move:
     """Return a move that stays where another is after a part of it."""
-    place = move.at(part)
-    turn = vector(a + (b - a) * part for a, b in zip(*move.turns, strict=True))
-    return replace(move, start=place, end=place, curve=None, straight=True, turns=(turn, turn))
+    return _standing(move, move.at(part), move.angles(part))
+
+
+def _standing(move: Move, place: Vector, angles: Vector) -> Move:
+    return replace(move, start=place, end=place, curve=None, straight=True, turns=(angles, angles))
 
 
 def places(program: Program, count: int) -> list[Place]:

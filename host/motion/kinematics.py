@@ -34,6 +34,7 @@ from triaxis.host.scene import Turn, turned
 from triaxis.host.stl import Facets, StlMesh
 
 LINEAR, ROTARY = "XYZ", "ABC"
+_HALF = Fraction(1, 2)
 # More than pi / 180.
 _RADIANS = Fraction(355, 113 * 180)
 
@@ -179,9 +180,9 @@ class Piece:
         assert self.meeting is not None
         (move,), (start, end) = self.program, self.part
         first, last = move.turns
-        middle, half = vector((a + b) / 2 for a, b in zip(first, last, strict=True)), (start + end) / 2
+        middle, half = move.angles(_HALF), (start + end) / 2
         if move.straight:
-            place = move.at(Fraction(1, 2))
+            place = move.at(_HALF)
             one = replace(move, end=place, turns=(first, middle))
             other = replace(move, start=place, turns=(middle, last))
             parts = (start, half), (half, end)
@@ -215,13 +216,7 @@ class Piece:
         )  # fmt: skip
         position = vector((p - b) / f if f else c for f, p, b, c in axes)
         part = start + (end - start) * near.part_of_move
-        angles = vector(a + (b - a) * near.part_of_move for a, b in zip(*move.turns, strict=True))
-        return replace(near, position=position, angles=angles, part_of_move=part)
-
-
-def _halfway(move: Move) -> Vector:
-    """Return the angles half-way through a move."""
-    return vector((a + b) / 2 for a, b in zip(*move.turns, strict=True))
+        return replace(near, position=position, angles=move.angles(near.part_of_move), part_of_move=part)
 
 
 @dataclass(frozen=True)
@@ -293,7 +288,7 @@ class Meeting:
         """Return A and B as they stand half-way through a move, where A is where all coordinates are 0, in
         millimetres, and how far that may be off.
         """
-        (a, at, error), (b, other, more) = (body.turned(_halfway(move)) for body in (self.a, self.b))
+        (a, at, error), (b, other, more) = (body.turned(move.angles(_HALF)) for body in (self.a, self.b))
         apart = vector(Rational(p - q) for p, q in zip(at, other, strict=True))
         return a, b, _scaled(self.factors, self.base, apart), error + more
 

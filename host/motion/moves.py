@@ -43,6 +43,10 @@ class Move:
             return self.curve.at(part)
         return vector(a + (b - a) * part for a, b in zip(self.start, self.end, strict=True))
 
+    def angles(self, part: Fraction) -> Vector:
+        """Return A, B and C after a part of it, in degrees."""
+        return vector(a + (b - a) * part for a, b in zip(*self.turns, strict=True))
+
     @property
     def turning(self) -> bool:
         """Return whether A, B or C move."""
