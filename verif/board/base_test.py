@@ -219,7 +219,8 @@ class BoardTest(EnvironmentTest):
         # Of a run that never ends each question is a failure.
         while self.env.scoreboard.failed < HOPELESS:
             reply = await self.results(first)
-            if reply is None or reply.code != Code.OK:
+            # A payload that is too short is a failure already.
+            if reply is None or reply.code != Code.OK or len(reply.payload) < Status.SIZE:
                 return
             first += len(reply.pairs)
             if not len(reply.pairs) and Status.unpack(reply.payload).state != 1:

@@ -11,7 +11,6 @@ from typing import Any, cast
 
 import numpy as np
 import numpy.typing as npt
-from cocotb.handle import HierarchyObject, LogicObject
 from cocotb.triggers import RisingEdge
 from cocotb_bus.drivers import BitDriver, ValidatedBusDriver
 from pyuvm import uvm_agent, uvm_analysis_port, uvm_driver, uvm_monitor, uvm_subscriber
@@ -19,6 +18,7 @@ from pyuvm import uvm_agent, uvm_analysis_port, uvm_driver, uvm_monitor, uvm_sub
 from triaxis.golden.errors import InputError
 from triaxis.golden.pairs import check_pairs
 from triaxis.sim.packing import pack_data, pack_user, unpack_data, unpack_user
+from triaxis.sim.player import HANGS
 from triaxis.verif.core.items import FULL_SPEED, BurstItem, Pace, PairBatch, ResetSeen, ResultBatch
 from triaxis.verif.testbench.environment import (
     StimulusAgent,
@@ -28,6 +28,7 @@ from triaxis.verif.testbench.environment import (
     dut_of,
     settings_of,
 )
+from triaxis.verif.testbench.failures import HungError, report_failure
 from triaxis.verif.testbench.settings import RunSettings
 from triaxis.verif.testbench.unknown_values import withdraw
 
@@ -37,18 +38,20 @@ SINK_SIGNALS = {"tvalid": "tvalid_o", "tready": "tready_i", "tdata": "tdata_o", 
 
 
 class SourceBus(ValidatedBusDriver):
-    """Offers beats on the input stream; an offered beat stays until it is accepted or reset."""
+    """Offers beats on an input stream; an offered beat stays until it is accepted or reset.
+
+    ``patience``: clocks out of reset after which a beat that is not accepted fails the test: a hung design
+    would keep it waiting for ever.
+    """
 
     _signals = SOURCE_SIGNALS
 
-    def __init__(
-        self, dut: HierarchyObject, clock: LogicObject, reset_n: LogicObject, settings: RunSettings
-    ) -> None:
+    def __init__(self, dut: Any, name: str, patience: int, settings: RunSettings) -> None:
         """Start with nothing offered."""
-        super().__init__(dut, SOURCE_BUS, clock)
-        self._edge = RisingEdge(clock)
-        self._reset_n = reset_n
-        self._dut, self._settings = dut, settings
+        super().__init__(dut, name, dut.clk_i)
+        self._edge = RisingEdge(dut.clk_i)
+        self._reset_n = dut.rst_ni
+        self._dut, self._stream, self._patience, self._settings = dut, name, patience, settings
         self.pins = cast(StreamPins, self.bus)
         self.pins.tdata.value = 0
         self.pins.tuser.value = 0
@@ -65,7 +68,7 @@ class SourceBus(ValidatedBusDriver):
 
     def idle(self) -> None:
         """Offer nothing until the next beat."""
-        withdraw(self._dut, SOURCE_BUS, self._settings)
+        withdraw(self._dut, self._stream, self._settings)
 
     async def _driver_send(self, transaction: tuple[int, int], sync: bool = True, **kwargs: Any) -> None:
         edge, pins = self._edge, self.pins
@@ -78,14 +81,19 @@ class SourceBus(ValidatedBusDriver):
             self._next_valids()
         pins.tdata.value, pins.tuser.value = transaction
         pins.tvalid.value = 1
+        waited = 0
         await edge
         while not (int(pins.tready.value) and int(self._reset_n.value)):
             # AXI4-Stream wants tvalid low in reset.
             if not int(self._reset_n.value):
                 self.idle()
+                waited = 0
             elif not int(pins.tvalid.value):
                 pins.tdata.value, pins.tuser.value = transaction
                 pins.tvalid.value = 1
+            elif (waited := waited + 1) > self._patience:
+                report_failure(HANGS)
+                raise HungError(f"{self._stream}: not accepted in {self._patience} clocks: the design hangs")
             await edge
         # With no generator, `on` is True for good.
         if self.on and self.on is not True:
@@ -94,6 +102,9 @@ class SourceBus(ValidatedBusDriver):
 
 # Odd, so that tags return only after all others; of as many bits as the widest.
 _TAG_STEP = np.uint64(0x9E3779B97F4A9E37)
+
+# Clocks after which a beat that is not accepted means that the core hangs: no pace of results pauses so long.
+PATIENCE = 5000
 
 # Beats gathered before they are published together.
 _BATCH = 512
@@ -127,8 +138,7 @@ class SourceDriver(uvm_driver):
 
     def start_of_simulation_phase(self) -> None:
         """Take hold of the pins."""
-        dut = dut_of(self)
-        self.bus = SourceBus(dut, dut.clk_i, dut.rst_ni, self.settings)
+        self.bus = SourceBus(dut_of(self), SOURCE_BUS, PATIENCE, self.settings)
 
     async def run_phase(self) -> None:
         """Drive items as they come."""
@@ -184,7 +194,6 @@ class PinMonitor(uvm_monitor):
         """Make the analysis port."""
         self.ap = uvm_analysis_port("ap", self)
         self.configuration = settings_of(self).configuration
-        self.moved = 0
         self._beats = Beats()
 
     async def run_phase(self) -> None:
@@ -212,7 +221,6 @@ class PinMonitor(uvm_monitor):
             self._beats.user.append(int(user.value))
             self._beats.waits.append(wait)
             self._beats.clocks.append(clock_now())
-            self.moved += 1
             wait = 0
             if len(self._beats.data) == _BATCH:
                 self.flush()
@@ -261,8 +269,7 @@ class ReadyDriver(uvm_subscriber):
     def start_of_simulation_phase(self) -> None:
         """Take hold of the pin."""
         dut = dut_of(self)
-        ready: LogicObject = dut.m_axis_tready_i
-        BitDriver(ready, dut.clk_i).start(self._cycles())
+        BitDriver(dut.m_axis_tready_i, dut.clk_i).start(self._cycles())
 
     def _cycles(self) -> Iterator[tuple[int, int]]:
         while True:

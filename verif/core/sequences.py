@@ -68,18 +68,26 @@ class StimulusSequence(ArraySequence):
 
 
 class AttemptsSequence(StimulusSequence):
-    """Sends stimulus to a certified core, of which most pairs try one of its checks."""
+    """Sends stimulus to a certified core, of which most pairs try one of its checks.
+
+    ``rng`` draws what they try, and must not be that of ``make``, which runs in a thread of its own.
+    """
 
     # Of so many pairs, those that try each kind, `Try` by number.
     shares = (2, 4, 1, 1)
 
+    def __init__(
+        self, make: Callable[[int], Stimulus], settings: RunSettings, count: int, rng: np.random.Generator
+    ) -> None:
+        """Make nothing yet."""
+        super().__init__(make, settings, count)
+        self.rng = rng
+
     def bursts(self) -> Iterator[BurstItem]:
         """Give each item what its pairs try."""
-        # Pairs are drawn in a thread of their own.
-        rng = np.random.default_rng([self.settings.seed, *b"attempts"])
         kinds = np.repeat(np.arange(len(self.shares)), self.shares)
         for item in super().bursts():
-            count = len(item.pairs)
+            count, rng = len(item.pairs), self.rng
             item.attempts = attempts_of(rng.choice(kinds, count), rng.integers(0, 1 << WHICH_BITS, count))
             yield item
 

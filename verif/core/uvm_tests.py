@@ -231,9 +231,10 @@ class CertificatesTest(CoreTest):
     async def stimulus(self) -> None:
         """Send all families, at full speed and with stalls."""
         make = of_families(list(FAMILIES.values()), self.settings, self.rng)
+        rng = np.random.default_rng([self.settings.seed, *b"attempts"])
         for stalls in (FULL_SPEED, Pace(8, 3)):
             self.set_stalls(stalls)
-            await self.send(AttemptsSequence(make, self.settings, self.settings.pairs // 2))
+            await self.send(AttemptsSequence(make, self.settings, self.settings.pairs // 2, rng))
 
 
 @listed(

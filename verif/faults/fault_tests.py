@@ -3,14 +3,13 @@
 from typing import Any
 
 import numpy as np
-from cocotb.handle import HierarchyObject, LogicObject
 from cocotb.triggers import RisingEdge
 from pyuvm import uvm_factory
 
 from triaxis.sim.packing import COORDINATES
 from triaxis.verif.core.base_test import CoreTest
 from triaxis.verif.core.env import CoreEnv
-from triaxis.verif.core.pin_agents import SourceBus, SourceDriver
+from triaxis.verif.core.pin_agents import PATIENCE, SOURCE_BUS, SourceBus, SourceDriver
 from triaxis.verif.core.sequences import ArraySequence
 from triaxis.verif.core.stimulus.seed_vectors import seed_vectors_as_written
 from triaxis.verif.core.uvm_tests import MixedTest, StallsTest
@@ -30,12 +29,10 @@ class WrappingVectorsTest(CoreTest):
 class LateBus(SourceBus):
     """Offers each pair without its last vertex, which follows a clock later."""
 
-    def __init__(
-        self, dut: HierarchyObject, clock: LogicObject, reset_n: LogicObject, settings: RunSettings
-    ) -> None:
+    def __init__(self, dut: Any, name: str, patience: int, settings: RunSettings) -> None:
         """Know where the last vertex lies."""
-        super().__init__(dut, clock, reset_n, settings)
-        self._clock_edge = RisingEdge(clock)
+        super().__init__(dut, name, patience, settings)
+        self._clock_edge = RisingEdge(dut.clk_i)
         self._early = (1 << (COORDINATES - 3) * settings.width) - 1
 
     async def _driver_send(self, transaction: tuple[int, int], sync: bool = True, **kwargs: Any) -> None:
@@ -55,8 +52,7 @@ class LateDriver(SourceDriver):
 
     def start_of_simulation_phase(self) -> None:
         """Take hold of the pins."""
-        dut = dut_of(self)
-        self.bus = LateBus(dut, dut.clk_i, dut.rst_ni, self.settings)
+        self.bus = LateBus(dut_of(self), SOURCE_BUS, PATIENCE, self.settings)
 
 
 class LateOperandTest(StallsTest):

@@ -7,16 +7,18 @@ from collections.abc import Iterator
 from random import Random
 from typing import Any
 
+import cocotb
 import numpy as np
 from cocotb.triggers import RisingEdge
-from cocotb.utils import get_sim_time
 from cocotb_bus.drivers import BitDriver
 from pyuvm import uvm_agent, uvm_analysis_port, uvm_driver, uvm_monitor, uvm_subscriber
 
 from triaxis.golden.errors import InputError
 from triaxis.golden.pairs import coordinate_range
-from triaxis.sim.player import HANGS, PERIOD_NS
+from triaxis.sim.mesh_configuration import MeshConfiguration
+from triaxis.sim.player import HANGS
 from triaxis.verif.core.items import FULL_SPEED, Pace, ResetSeen
+from triaxis.verif.core.pin_agents import SourceBus
 from triaxis.verif.mesh.items import (
     AbortAsked,
     CorePairs,
@@ -35,9 +37,17 @@ from triaxis.verif.mesh.items import (
 )
 from triaxis.verif.testbench.environment import StimulusAgent, clock_now, create, dut_of, settings_of
 from triaxis.verif.testbench.failures import HungError, report_failure
-from triaxis.verif.testbench.unknown_values import withdraw
 
 _NO_TRIANGLES = np.empty((0, 3, 3), np.int64)
+
+
+# Clocks that a run may take for each pair that the meshes can have, and at least: stalls are included.
+_CLOCKS_A_PAIR, _LEAST_CLOCKS = 100, 20_000
+
+
+def _longest_run(configuration: MeshConfiguration) -> int:
+    """Return the clocks after which a run that has not ended means that the engine hangs."""
+    return _LEAST_CLOCKS + _CLOCKS_A_PAIR * min(configuration.depth, 256) ** 2
 
 
 class LoadDriver(uvm_driver):
@@ -45,15 +55,15 @@ class LoadDriver(uvm_driver):
 
     def build_phase(self) -> None:
         """Fetch the settings."""
-        self.configuration = settings_of(self).mesh_configuration
-        self.random = Random(f"load {settings_of(self).seed}")
+        self.settings = settings_of(self)
+        self.configuration = self.settings.mesh_configuration
+        self.random = Random(f"load {self.settings.seed}")
         self.sent = 0
 
     def start_of_simulation_phase(self) -> None:
         """Take hold of the pins."""
-        self.dut = dut_of(self)
-        withdraw(self.dut, "s_axis_load", settings_of(self))
-        self.edge = RisingEdge(self.dut.clk_i)
+        patience = _longest_run(self.configuration)
+        self.bus = SourceBus(dut_of(self), "s_axis_load", patience, self.settings)
 
     async def run_phase(self) -> None:
         """Drive items as they come."""
@@ -72,30 +82,12 @@ class LoadDriver(uvm_driver):
         beats = [(0, 2 | item.mesh)] if item.clear else []
         rows = item.triangles.reshape(-1, 9).tolist()
         beats += [(pack_triangle(row, width), item.mesh) for row in rows]
-        start = get_sim_time("ns")
-        on = 0
-        for data, user in beats:
-            on -= 1
-            if item.gaps.off and on < 1:
-                on = self.random.randint(1, item.gaps.on)
-                await self._pause(item.gaps)
-            await self._send(data, user)
-        withdraw(self.dut, "s_axis_load", settings_of(self))
-        item.clocks = round((get_sim_time("ns") - start) / PERIOD_NS)
-
-    async def _pause(self, gaps: Pace) -> None:
-        withdraw(self.dut, "s_axis_load", settings_of(self))
-        for _ in range(self.random.randint(0, gaps.off)):
-            await self.edge
-
-    async def _send(self, data: int, user: int) -> None:
-        dut = self.dut
-        dut.s_axis_load_tdata_i.value = data
-        dut.s_axis_load_tuser_i.value = user
-        dut.s_axis_load_tvalid_i.value = 1
-        await self.edge
-        while not int(dut.s_axis_load_tready_o.value) or not int(dut.rst_ni.value):
-            await self.edge
+        start = clock_now()
+        self.bus.set_pace(item.gaps, self.random)
+        for beat in beats:
+            await self.bus.send(beat, sync=False)
+        self.bus.idle()
+        item.clocks = clock_now() - start
 
 
 class PinMonitor(uvm_monitor):
@@ -145,23 +137,21 @@ class LoadAgent(StimulusAgent):
     driver_kind, monitor_kind = LoadDriver, LoadMonitor
 
 
-# Clocks that a run may take for each pair that the meshes can have, and at least: stalls are included.
-_CLOCKS_A_PAIR, _LEAST_CLOCKS = 100, 20_000
-
-
 class RunDriver(uvm_driver):
     """Offers runs, aborts them where the item says so, and waits for their summaries."""
 
     def build_phase(self) -> None:
         """Make the port that tells how the results are to be taken."""
-        self.configuration = settings_of(self).mesh_configuration
+        self.settings = settings_of(self)
+        self.configuration = self.settings.mesh_configuration
         self.traffic_ap = uvm_analysis_port("traffic_ap", self)
         self.sent = 0
 
     def start_of_simulation_phase(self) -> None:
         """Take hold of the pins."""
         self.dut = dut_of(self)
-        withdraw(self.dut, "s_axis_run", settings_of(self))
+        patience = _longest_run(self.configuration)
+        self.bus = SourceBus(self.dut, "s_axis_run", patience, self.settings)
         self.dut.abort_i.value = 0
         self.dut.acknowledge_i.value = 0
         self.edge = RisingEdge(self.dut.clk_i)
@@ -194,29 +184,27 @@ class RunDriver(uvm_driver):
         self.traffic_ap.write(item.traffic)
 
     async def offer(self, item: RunItem) -> None:
-        """Offer the run."""
+        """Begin to offer the run."""
         dut = self.dut
         if item.traffic.idle_abort or item.traffic.acknowledge:
             dut.abort_i.value = int(item.traffic.idle_abort)
             dut.acknowledge_i.value = int(item.traffic.acknowledge)
             await self.edge
             dut.abort_i.value = dut.acknowledge_i.value = 0
-        data, user = pack_run(item.request, self.configuration)
-        dut.s_axis_run_tdata_i.value = data
-        dut.s_axis_run_tuser_i.value = user
-        dut.s_axis_run_tvalid_i.value = 1
+        self.offered = cocotb.start_soon(self._send(pack_run(item.request, self.configuration)))
+
+    async def _send(self, beat: tuple[int, int]) -> None:
+        await self.bus.send(beat, sync=False)
+        self.bus.idle()
 
     async def accepted(self) -> None:
         """Wait until the run is accepted."""
-        await self.edge
-        while not int(self.dut.s_axis_run_tready_o.value) or not int(self.dut.rst_ni.value):
-            await self.edge
-        withdraw(self.dut, "s_axis_run", settings_of(self))
+        await self.offered
 
     async def ended(self, item: RunItem) -> int:
         """Wait for the summary, or for a reset; return the clocks since the run was accepted."""
         dut, traffic = self.dut, item.traffic
-        limit = _LEAST_CLOCKS + _CLOCKS_A_PAIR * min(self.configuration.depth, 256) ** 2
+        limit = _longest_run(self.configuration)
         for clock in range(limit):
             dut.abort_i.value = int(clock in traffic.aborts)
             await self.edge

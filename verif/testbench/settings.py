@@ -5,6 +5,7 @@ import os
 from dataclasses import asdict, dataclass
 from enum import StrEnum
 from pathlib import Path
+from shlex import quote
 
 from triaxis.sim.board_parameters import (
     BoardParameters,
@@ -146,7 +147,7 @@ class RunSettings:
         options += f" --simulator {self.simulator}" if self.four_state else ""
         # What a run of any test has kept is sent again by one alone.
         test = REPLAY if self.replay else self.test
-        what = f"--replay {self.replay}" if self.replay else f"--pairs {self.pairs}"
+        what = f"--replay {quote(self.replay)}" if self.replay else f"--pairs {self.pairs}"
         return f".venv/bin/triaxis sim {test} --seed {self.seed} --config {self.config} {what}{options}"
 
     def to_environment(self, library: Path | None = None) -> dict[str, str]:

@@ -30,6 +30,10 @@ FAULTS = {
         "triaxis_run_control.sv", "status_d = StatusNone;", "status_d = status_o;",
         "MeshStallsTest", PIN, "a status during a run",
     ),
+    "never ready": (
+        "triaxis_mesh.sv", "s_axis_run_tready_o = run_ready[0];", "s_axis_run_tready_o = 1'b0;",
+        "MeshStallsTest", PIN, "s_axis_load: not accepted in 45600 clocks: the design hangs",
+    ),
 }  # fmt: skip
 
 

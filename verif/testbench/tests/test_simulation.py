@@ -1,5 +1,7 @@
 """What a failed run tells: what went wrong, and not that nothing did; which command repeats it."""
 
+from dataclasses import replace
+
 import pytest
 
 from triaxis.verif.testbench.simulation import errors_in, run_settings
@@ -40,3 +42,5 @@ def test_the_command_that_repeats_a_replay_names_all_that_it_was_run_with():
     # What another test has kept is sent by that one alone.
     kept = run_settings("TouchingTest", "w16_m0", 7, 1, "pairs.npz", simulator="icarus")
     assert kept.replay_command == f"{again} --simulator icarus"
+    spaced = replace(kept, replay="my pairs.npz", simulator="verilator")
+    assert spaced.replay_command.endswith("--replay 'my pairs.npz'")
