@@ -12,12 +12,24 @@ _BOUNDARY = bytes([END])
 _REMEMBERED = 20
 
 
+# Looks at the line in which an answer has long come, and those after them that last longer: a second together.
+_ANSWERED, _PATIENT = 40, 40
+
+
 def patient(top):
-    """Return a line on which the board's clock waits for a host that gets no core: a second until go ends."""
+    """Return a line on which the board's clock waits for a host that gets no core.
+
+    A second until go ends, and a second between two frames: the watchdog's time would be over.
+    """
+    quiet = 0
 
     def to_board(data: bytes) -> bytes:
+        nonlocal quiet
+        quiet = 0 if data or top.pending else quiet + 1
         if top.go and not data:
             time.sleep(0.005)
+        elif _ANSWERED < quiet <= _ANSWERED + _PATIENT:
+            time.sleep(1 / _PATIENT)
         return data
 
     return to_board
