@@ -14,17 +14,20 @@ from triaxis.bench.harness import FOLDER, Findings, report
 from triaxis.bench.peers.peer import Peer, PeerAbsentError, present
 from triaxis.bench.tritest.cases import makers, write_set
 from triaxis.bench.tritest.libraries import LIBRARIES, OURS, PAPERS, answer, named
-from triaxis.bench.tritest.recheck import SetError, case_of, families_of, lines_of, recheck
+from triaxis.bench.tritest.recheck import Family, SetError, case_of, families_of, lines_of, recheck
 from triaxis.bench.tritest.scoring import KINDS, Asked, Score, Tally, read_set, rows_of, score
 from triaxis.golden.errors import InputError
 from triaxis.golden.outputs import write_whole
 from triaxis.host.cli import DONE, NO
 from triaxis.host.cli.arguments import named_folder
 from triaxis.host.cli.terminal import progress_bar, table
+from triaxis.sim.build import built
+from triaxis.sim.validity import Sources
 
-SET = FOLDER / "tritest"
+# Of the set that is made where none is named; each set has what it was made from in its name.
+_SET, _SOURCES = FOLDER / "tritest", Sources(("triaxis.bench.tritest.cases",))
 LEAGUE = FOLDER / "tritest.json"
-# Pairs of each family in the set that is made where none is named.
+# Of each family.
 _PAIRS, _SEED = 1000, 1
 # Of what is printed, in columns.
 _WIDTH = 100
@@ -47,10 +50,20 @@ def add_make(parser: argparse.ArgumentParser) -> None:
 def _make(folder: Path, pairs: int, seed: int) -> int:
     if pairs < 1 or seed < 0:
         raise InputError(f"--pairs {pairs}, --seed {seed}: at least 1, and at least 0")
-    with progress_bar("pairs proven", pairs * len(makers())) as progress:
-        families = write_set(folder, pairs, seed, progress)
+    families = _written(folder, pairs, seed)
     print(f"{sum(family.pairs for family in families):,} pairs of {len(families)} families: {folder}")
     return DONE
+
+
+def _written(folder: Path, pairs: int, seed: int) -> list[Family]:
+    with progress_bar("pairs proven", pairs * len(makers())) as progress:
+        return write_set(folder, pairs, seed, progress)
+
+
+def _own_set() -> Path:
+    """Return the set in build/ of the families as they are now, made where it is not there."""
+    settings = (str(_PAIRS), str(_SEED))
+    return built(_SET, _SOURCES.files(), settings, lambda folder: _written(folder, _PAIRS, _SEED))
 
 
 def add_recheck(parser: argparse.ArgumentParser) -> None:
@@ -128,11 +141,7 @@ def _answering(name: str) -> list[str]:
 
 
 def _asked(folder: Path | None) -> list[Asked]:
-    if folder is None:
-        folder = SET
-        if not (folder / "set.json").exists():
-            _make(folder, _PAIRS, _SEED)
-    return read_set(folder)
+    return read_set(folder or _own_set())
 
 
 def _failed(found: Score) -> str:
@@ -160,18 +169,18 @@ def add_show(parser: argparse.ArgumentParser) -> None:
     """Add what `tritest show` takes."""
     parser.description = "Print a pair of a set: its vertices, its distance, the proof."
     parser.add_argument("pair", metavar="FAMILY:NUMBER", help="as reports name it")
-    about = "a set's folder (that which `tritest run` makes in build/)"
-    parser.add_argument("folder", type=Path, nargs="?", default=SET, metavar="SET", help=about)
+    parser.add_argument("folder", type=Path, nargs="?", metavar="SET", help=_ABOUT_SET)
     parser.set_defaults(run=_show)
 
 
 def _show(options: argparse.Namespace) -> int:
     name, _, number = options.pair.rpartition(":")
+    folder = options.folder or _own_set()
     try:
-        families = {family.name: family for family in families_of(options.folder)}
+        families = {family.name: family for family in families_of(folder)}
         if name not in families:
             raise InputError(f"{options.pair}: no such family: one of {', '.join(families)}")
-        lines = dict(lines_of(options.folder, families[name]))
+        lines = dict(lines_of(folder, families[name]))
         if not number.isdecimal() or int(number) not in lines:
             raise InputError(f"{options.pair}: its pairs are 1..{len(lines)}")
         case = case_of(lines[int(number)])
