@@ -62,8 +62,11 @@ def _written(folder: Path, pairs: int, seed: int) -> list[Family]:
 
 def _own_set() -> Path:
     """Return the set in build/ of the families as they are now, made where it is not there."""
-    settings = (str(_PAIRS), str(_SEED))
-    return built(_SET, _SOURCES.files(), settings, lambda folder: _written(folder, _PAIRS, _SEED))
+
+    def make(folder: Path) -> None:
+        _written(folder, _PAIRS, _SEED)
+
+    return built(_SET, _SOURCES.files(), (str(_PAIRS), str(_SEED)), make)
 
 
 def add_recheck(parser: argparse.ArgumentParser) -> None:

@@ -12,7 +12,7 @@ _BOUNDARY = bytes([END])
 _REMEMBERED = 20
 
 
-# Looks at the line in which an answer has long come, and those after them that last longer: a second together.
+# Looks at the line in which an answer has long come, and those after them that last a second together.
 _ANSWERED, _PATIENT = 40, 40
 
 
