@@ -16,8 +16,10 @@ from triaxis.golden.outputs import write_whole
 from triaxis.sim.configuration import CERTIFIED_TOP, CORE_TOP
 from triaxis.sim.programs import from_one_folder, read_slang, run_to_result, yosys
 
-# LUTs that a cell occupies. Shift registers and RAMs are made of LUTs: RAM32M of four.
+# LUTs that a cell occupies. Shift registers and RAMs are made of LUTs: RAM32M of four. An inverter is one at
+# most: the LUT that it drives, or an input that can be inverted, may take it in.
 _LUTS = {f"LUT{n}": 1 for n in range(1, 7)} | {
+    "INV": 1,
     "SRL16E": 1, "SRLC32E": 1, "RAM32X1D": 2, "RAM64X1D": 2, "RAM128X1D": 4, "RAM32M": 4, "RAM64M": 4,
     "RAM32X1S": 1, "RAM64X1S": 1, "RAM128X1S": 2, "RAM256X1S": 4,
 }  # fmt: skip
@@ -25,7 +27,7 @@ _FFS = tuple(f"FD{kind}E{edge}" for kind in "RSCP" for edge in ("", "_1"))
 # Of blocks of RAM one of 18 kbit counts as half.
 _BRAMS = {"RAMB36E1": 1.0, "RAMB18E1": 0.5}
 # Kinds that take something of which there is a limit.
-_TAKES = re.compile(r"(?:LUT|SRL|RAM|FIFO|FD|LD|DSP).*")
+_TAKES = re.compile(r"(?:LUT|INV|SRL|RAM|FIFO|FD|LD|DSP).*")
 _MEMORY = re.compile(r"^mapping memory (\S+) via \$__XILINX_(BLOCK|LUT)RAM", re.MULTILINE)
 _KINDS = {"BLOCK": "block", "LUT": "look-up tables"}
 
