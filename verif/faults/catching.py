@@ -2,7 +2,8 @@
 
 import os
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 
@@ -64,14 +65,12 @@ def _catch_all(
     folders = [faulty_rtl(fault, dut) if fault.patch else dut for fault in chosen]
     outcomes: list[Outcome] = []
     with threads(_JOBS) as pool:
-        # It runs every test to its end, and takes longest.
-        healthy = pool.submit(control, chosen, seed, dut)
         tries = [pool.submit(_tried, *each, seed) for each in zip(chosen, folders, strict=True)]
         for fault, future in zip(chosen, tries, strict=True):
             # Shrinking and drawing are for the main thread, beside the tries of other faults.
             outcomes.append(_concluded(fault, *future.result(), seed))
             progress(1)
-        wrong = healthy.result()
+    wrong = control(outcomes, seed, dut)
     return FaultsResult(outcomes, wrong, before.valid_for, not before.stands, seed, time.monotonic() - start)
 
 
@@ -94,16 +93,19 @@ def _concluded(fault: Fault, attempt: Attempt, seconds: float, seed: int) -> Out
     return Outcome(fault, seed, seconds, attempt.catch, example, attempt.reason)
 
 
-def control(faults: Sequence[Fault], seed: int, dut: Path = DUT) -> list[str]:
-    """Return what goes wrong where the faults would be put in and are not: nothing, or no catch counts."""
-    wanted: dict[str, Callable[[], Attempt]] = {}
-    for fault in faults:
+def control(outcomes: Iterable[Outcome], seed: int, dut: Path = DUT) -> list[str]:
+    """Return what those that caught a fault find where it is not put in: nothing, or no catch counts."""
+    wanted: dict[tuple[str, ...], Callable[[], Attempt]] = {}
+    for fault, catch in ((one.fault, one.catch) for one in outcomes):
+        if catch is None:
+            continue
         if fault.kind in SEARCHES:
-            healthy = Fault("no-fault", "", "", fault.kind, fault.config)
-            wanted[fault.config] = partial(try_rtl, healthy, dut, seed)
+            healthy = replace(fault, name=f"no-fault-{fault.config}")
+            wanted[fault.config, catch.test] = partial(try_rtl, healthy, dut, seed, (catch.test,))
         elif fault.kind is Kind.WRAPPER:
-            wanted["wrapper"] = partial(try_wrapper, dut, seed)
+            wanted["wrapper",] = partial(try_wrapper, dut, seed)
         else:
-            wanted["environment"] = partial(try_healthy_environment, seed)
-    tried = [attempt() for attempt in wanted.values()]
+            wanted["environment",] = partial(try_healthy_environment, seed)
+    with threads(_JOBS) as pool:
+        tried = list(pool.map(lambda attempt: attempt(), wanted.values()))
     return [f"{a.catch.test}: {a.catch.message}" if a.catch else str(a.reason) for a in tried if not a.clean]

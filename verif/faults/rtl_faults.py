@@ -1,6 +1,7 @@
 """Faults of the core, the mesh engine and the board: the first test that sees one; the smallest pair."""
 
 import os
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
@@ -67,18 +68,18 @@ SEARCHES = {
 }  # fmt: skip
 
 
-def try_rtl(fault: Fault, dut: Path, seed: int) -> Attempt:
-    """Run the generic tests on the RTL in ``dut``, one after the other, until one fails."""
+def try_rtl(fault: Fault, dut: Path, seed: int, tests: Sequence[str] = ()) -> Attempt:
+    """Run tests, all generic ones unless some are named, on the RTL in ``dut``, in turn, until one fails."""
     search = SEARCHES[fault.kind]
     missed: list[str] = []
     before = 0
-    for test in search.tests:
+    for test in tests or search.tests:
         result = run_test(test, fault.config, seed, fault.name, dut, search.agent, search.pairs)
         if not result.passed:
             return _caught(fault, dut, result, tuple(missed), before)
         missed.append(test)
         before += result.counts["checked"] if result.counts else 0
-    return Attempt(None, f"{', '.join(search.tests)} pass", clean=True)
+    return Attempt(None, f"{', '.join(missed)} pass", clean=True)
 
 
 def _caught(fault: Fault, dut: Path, result: RunResult, missed: tuple[str, ...], before: int) -> Attempt:

@@ -46,7 +46,8 @@ module triaxis_core_sva #(
   ))
   else $error("a pair was withdrawn or changed while it waited");
 
-  // One pair per clock as long as there is a place for it, at a fixed latency but for results that wait.
+  // One pair per clock as long as there is a place for it, of which there are as many as the latency has clocks
+  // at least; at a fixed latency but for results that wait.
   typedef logic [$clog2(Depth):0] count_t;
   logic accepts, delivers, awake_q;
   assign accepts  = s_axis_tvalid_i && s_axis_tready_o;
@@ -69,7 +70,7 @@ module triaxis_core_sva #(
 
   FullThroughput :
   assert property (@(posedge clk_i) disable iff (!rst_ni)
-      awake_q && held_q < count_t'(Depth) |-> s_axis_tready_o)
+      awake_q && (held_q < count_t'(Depth) || 32'(held_q) < Latency) |-> s_axis_tready_o)
   else $error("the core is not ready although it has a place for a pair");
 
   FixedLatency :

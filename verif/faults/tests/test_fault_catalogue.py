@@ -124,8 +124,10 @@ def test_a_fault_is_caught_with_a_small_counterexample(seed):
 
 @pytest.mark.simulator
 def test_a_core_that_is_always_caught_fails_the_control(seed):
-    found = control([fault_of("F2")], seed, faulty_rtl(fault_of("F1-box")))
-    assert len(found) == 1 and found[0].startswith("RandomTest: result") and ": core says" in found[0]
+    caught = Outcome(fault_of("F2"), seed, 1.0, Catch("CoplanarTest", "core says"))
+    missed = Outcome(fault_of("F3"), seed, 1.0, None)
+    found = control([caught, caught, missed], seed, faulty_rtl(fault_of("F1-box")))
+    assert len(found) == 1 and found[0].startswith("CoplanarTest: result") and ": core says" in found[0]
 
 
 @pytest.mark.parametrize(
@@ -147,7 +149,8 @@ def test_what_passes_or_ends_without_a_verdict_catches_nothing(
     outcome = catch(fault_of(name), seed)
     assert not outcome.caught and problem in (outcome.reason or "")
     # Nor does the control pass without a verdict.
-    assert bool(control([fault_of(name)], seed)) == (counts is None)
+    caught = Outcome(fault_of(name), seed, 1.0, Catch(rtl_faults.SEARCHES[outcome.fault.kind].tests[0], ""))
+    assert bool(control([caught], seed)) == (counts is None)
 
 
 RULE = "[135000] %Error: x.sv:38: Assertion failed in tb.u_core.u_sva.PairHeld: it moved"

@@ -29,8 +29,8 @@ EXPECTED = {
     "moving-margins": ("FarTest", PIN, "a margin moved", False, False),
     "short-queue": ("RandomTest", PIN, "not ready although", False, False),
     "early-result": ("RandomTest", PIN, "a result is due and not there", False, False),
-    "hang": ("StallsTest", BURST, "the core hangs", False, False),
-    "lost-results": ("ResetsTest", BURST, "was due", True, False),
+    "hang": ("StallsTest", BURST, "not ready although", False, False),
+    "lost-results": ("ResetsTest", BURST, "a result is due and not there", True, False),
 }
 
 
