@@ -41,9 +41,7 @@ def test_no_further_fault_is_left_out():
     assert sorted(further) == sorted(EXPECTED)
 
 
-# Each needs a build of its own. Wrong answers and broken rules are caught every day in the tests of the
-# catalogue.
-@pytest.mark.regress
+@pytest.mark.long
 @pytest.mark.parametrize("name", EXPECTED)
 def test_fault_is_caught(tmp_path, seed, name):
     test, agent, message, about_pairs, replays = EXPECTED[name]

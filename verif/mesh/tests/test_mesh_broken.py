@@ -37,8 +37,7 @@ FAULTS = {
 }  # fmt: skip
 
 
-# Each needs a build of its own; every day one of the catalogue's is caught, see verif/faults.
-@pytest.mark.regress
+@pytest.mark.long
 @pytest.mark.parametrize("name", FAULTS)
 def test_a_broken_engine_is_caught(tmp_path, seed, name):
     file, right, wrong, test, agent, said = FAULTS[name]
