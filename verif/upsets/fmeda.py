@@ -64,11 +64,12 @@ BLOCKS = (
     ),
     Block(
         "line from the host", r"u_receiver",
-        "a command is another one", "CRC-32 of the frame; then parity of each byte until it is executed",
+        "a command is another one", "CRC-32 of the frame; then parity of each byte until it is gathered",
     ),
     Block(
         "commands", r"u_command",
-        "a command is not executed, or as another one", "sequence numbers; the host compares each answer",
+        "a command is not executed, or as another one",
+        "sequence numbers; the host compares each answer; [not all](#what-is-left)",
     ),
     Block(
         "line to the host", r"u_transmitter|u_ring|u_errors",
