@@ -10,8 +10,8 @@
 // again with every bit inverted, near pairs (RESULTS alone), CRC-32. The host believes a payload only
 // where both forms agree: a field that is altered in one of them, in whatever way, is no answer.
 //
-// Frames are judged in this order: session (3), command (1), sequence number (4), length (2), a run
-// that is going on (5), values (6), place (7, 8, 9, 10). The sequence number counts commands that
+// Frames are judged in this order: a HELLO of session 0 (6), session (3), command (1), sequence number
+// (4), length (2), a run that is going on (5), values (6), place (7, 8, 9, 10), coordinates (6). The sequence number counts commands that
 // were executed: one that is refused does not use it up. A refusal has no payload, but for code 4
 // (u32: the number expected) and code 7 (what LOAD answers: the mesh held).
 //

@@ -4,10 +4,10 @@
 // Computes: whole frames with a good CRC, held in a memory until they are released. Each frame that
 // is not handed out is told by one pulse of error_o: bad CRC, fewer bytes than the shortest frame
 // has, more than MaxFrameBytes, bad stuffing, a framing error, or a beginning before the last frame
-// was released. Empty frames are passed over. Each byte is kept with its parity, and broken_o tells of one
+// was released: a frame that has two of these is told twice. Empty frames are passed over. Each byte is kept with its parity, and broken_o tells of one
 // that is shown, and has changed.
 // Widths: 0 .. MaxFrameBytes bytes are counted.
-// Latency: 2 clocks from a frame's end to full_o; data_o shows address_i in the same clock.
+// Latency: 1 clock from a frame's end to full_o; data_o shows address_i in the same clock.
 
 module triaxis_frame_rx
   import triaxis_board_pkg::*;

@@ -3,7 +3,8 @@
 //
 // Computes: a serial line (8 data bits, no parity, one stop bit) from bytes.
 // Widths: the counter of thirds of a clock, see triaxis_uart_rx, holds 0 .. ClocksPerThreeBits - 1; 10 bits a byte.
-// Latency: 1 clock from acceptance to the start bit; 10 * ClocksPerThreeBits / 3 clocks a byte, rounded down.
+// Latency: 1 clock from acceptance to the start bit; 10 * ClocksPerThreeBits / 3 clocks a byte, rounded
+// down, and one until the next is accepted.
 
 module triaxis_uart_tx #(
     parameter int unsigned ClocksPerThreeBits = 25
