@@ -23,8 +23,9 @@ RTL = Path(__file__).with_name("rtl")
 _CHECK, _COVER = "check", "cover"
 # Where what is to be covered lies too many clocks after a reset.
 _FROM_ANY_STATE = ("flatten", "setattr -unset init w:u_top.* w:started_q", "chformal -assert2assume")
-# A window begins in any state, whatever registers are configured with; a harness's own begin as it says.
-_ANY_STATE = ("flatten", "setattr -unset init w:u_*.*")
+# A window begins in any state, whatever registers are configured with; a harness's own begin as it says, and
+# so do counters in checkers below it: else covers would be reached before anything has passed through.
+_ANY_STATE = ("flatten", "setattr -unset init w:u_*.* w:*.clocks_q %d")
 # A stand-in for a module has its header: parameters and ports, and what they need.
 _STAND_IN, _HEADER = re.compile(r"^module (\w+);$", re.MULTILINE), r"^module {}\b.*?^\);$"
 # What the RTL and the harnesses include.
@@ -195,10 +196,10 @@ class Method(StrEnum):
 class SbyProof(Proof):
     """Assertions of the module ``top``, with the files of dut/ and rtl/ that they need.
 
-    ``clocks``: those in which everything to be covered is reached, and all that a window has, whose last one
-    is checked: were that too early for anything to be asserted, it would be for what is covered, too.
-    ``depth``: the k of the induction. ``cover_from_reset``: else covers begin in any state that the
-    assertions allow; only the harness's own registers begin as it says.
+    ``clocks``: those in which everything to be covered is reached, and all that a window has: were they too
+    few for anything to be asserted, they would be for what is covered, too. ``depth``: the k of the
+    induction. ``cover_from_reset``: else covers begin in any state that the assertions allow; only the
+    harness's own registers begin as it says.
     """
 
     parameters: Mapping[str, int]
@@ -272,7 +273,6 @@ class SbyProof(Proof):
                 "[options]",
                 f"{_CHECK}: mode {'bmc' if window else 'prove'}",
                 f"{_CHECK}: depth {self.clocks if window else self.depth}",
-                *([f"{_CHECK}: skip {self.clocks - 1}"] if window else []),
                 f"{_COVER}: mode cover",
                 f"{_COVER}: depth {self.clocks}",
                 "[engines]", "smtbmc yices",

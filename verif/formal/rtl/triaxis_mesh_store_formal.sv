@@ -93,14 +93,17 @@ module triaxis_mesh_store_formal
   logic cleared, pushed;
   assign {cleared, pushed} = pushes[0][2:1];
 
+  `TRIAXIS_FULL_AFTER(3)
   always_comb begin
-    if (rst_ni && pushes[0][0]) begin
+    if (full && rst_ni && pushes[0][0]) begin
       Counted :
       assert (count ==
               (cleared ? '0 : counts[0] + count_t'(pushed && counts[0] != count_t'(Depth))));
     end
     AtItsNumber :
-    assert (u_store.index == counts[2][$clog2(Depth)-1:0] && u_store.triangles[0] == triangles[2]);
+    assert (!full || (u_store.index == counts[2][$clog2(
+        Depth
+    )-1:0] && u_store.triangles[0] == triangles[2]));
   end
 
   logic first_in_group, first_in_mesh;
@@ -122,7 +125,7 @@ module triaxis_mesh_store_formal
     assign mesh_high_d = `FIRST.object_d[1][k];
 
     always_comb begin
-      if (u_store.write) begin
+      if (full && u_store.write) begin
         HoldsTriangle : assert (group_low_d <= low && group_high_d >= high);
         assert (mesh_low_d <= low && mesh_high_d >= high);
         HoldsGroup :
@@ -160,7 +163,7 @@ module triaxis_mesh_store_formal
             (scrub_i || !triangle_read_i ||
              u_store.u_triangles.read_address_i == triangle_index_i));
     ScrubTriangle : assert (!scrubs || u_store.u_triangles.read_address_i == u_store.scrub_index);
-    if (scrubbed) begin
+    if (full && scrubbed) begin
       // It is handed just what was read.
       Handed :
       assert (u_store.u_scrub.triangle_read_i == triangle_read && u_store.u_scrub.intact_i ==
