@@ -4,8 +4,10 @@
 // Computes: what the frames ask for, one after the other: judges a frame, has it executed, asks for
 // the reply. Answers are functions of the state after the command, so a repeat, which is not
 // executed again, gets the same answer as the lost one.
+// What a run is asked with is kept twice, and each copy begins a run of its own: two that differ are
+// two runs that differ. That a frame was judged just then, whole and good, is kept beside its code.
 // Widths: see triaxis_board_pkg.
-// Latency: HeaderBytes + FieldBytes + 4 clocks, and what LOAD, HELLO and ABORT take.
+// Latency: HeaderBytes + FieldBytes + 3 clocks, and what LOAD, HELLO and ABORT take.
 
 module triaxis_command
   import triaxis_board_pkg::*;
@@ -32,14 +34,14 @@ module triaxis_command
     // A clock each: accepted commands, before anything is changed; what was answered.
     output logic hello_o,
     output logic load_o,
-    output logic run_o,
+    output logic [1:0] run_o,  // of each copy
     output logic free_o,
     output logic abort_o,
     output logic refused_o,
     output logic foreign_o,  // refused, as of another session
     output logic kick_o,  // executed: a repeat, or what is refused, is no sign of life
     output logic forget_o,  // HELLO: the engine is idle, its meshes are empty
-    output request_t request_o,
+    output request_t [1:0] request_o,
     // The reply.
     input logic reply_ready_i,
     output logic reply_o,
@@ -70,7 +72,12 @@ module triaxis_command
   state_e state_q;
   code_e code_q;
   place_t place_q;
-  request_t request_q;
+  // Both begin alike: what comes in is the same.
+  (* keep = "true", dont_touch = "true" *) request_t [1:0] request_q = '0;
+  logic good_q;
+
+  request_t request;
+  assign request = request_q[0];
 
   code_e judged;
   logic nobody, mine, next, repeated, execute, done;
@@ -87,11 +94,16 @@ module triaxis_command
   // Fields that a frame does not have are anything: nothing is made of them.
   always_ff @(posedge clk_i) begin
     if (state_q == Gather) begin
-      place_q   <= place_q + place_t'(1);
-      request_q <= {data_i, request_q[8*RequestBytes-1:8]};
+      place_q <= place_q + place_t'(1);
     end else begin
       place_q <= '0;
     end
+  end
+  for (genvar i = 0; i < 2; i++) begin : g_copy
+    always_ff @(posedge clk_i) begin
+      if (state_q == Gather) request_q[i] <= {data_i, request_q[i][8*RequestBytes-1:8]};
+    end
+    assign run_o[i] = execute && request_q[i].command == CmdRun;
   end
 
   // --- Verdict --------------------------------------------------------------------------------------
@@ -99,9 +111,9 @@ module triaxis_command
   triaxis_session u_session (
       .clk_i,
       .rst_ni,
-      .session_i(request_q.session),
-      .sequence_number_i(request_q.sequence_number),
-      .command_i(request_q.command),
+      .session_i(request.session),
+      .sequence_number_i(request.sequence_number),
+      .command_i(request.command),
       .take_i(hello_o),
       .executed_i(done),
       .nobody_o(nobody),
@@ -116,8 +128,8 @@ module triaxis_command
       .M(M),
       .Depth(Depth)
   ) u_judge (
-      .command_i(request_q.command),
-      .fields_i(request_q.fields),
+      .command_i(request.command),
+      .fields_i(request.fields),
       .payload_bytes_i(content_bytes - 8'(HeaderBytes)),
       .nobody_i(nobody),
       .mine_i(mine),
@@ -132,14 +144,13 @@ module triaxis_command
       .code_o(judged)
   );
 
-  assign execute = state_q == Act && code_q == CodeOk && !repeated;
+  assign execute = state_q == Act && good_q && code_q == CodeOk && !repeated;
   assign done = state_q == Reply && code_q == CodeOk;
-  assign hello_o = execute && request_q.command == CmdHello;
-  assign load_start = execute && request_q.command == CmdLoad;
+  assign hello_o = execute && request.command == CmdHello;
+  assign load_start = execute && request.command == CmdLoad;
   assign load_o = load_accepted;
-  assign run_o = execute && request_q.command == CmdRun;
-  assign free_o = execute && request_q.command == CmdResults;
-  assign abort_o = execute && request_q.command == CmdAbort;
+  assign free_o = execute && request.command == CmdResults;
+  assign abort_o = execute && request.command == CmdAbort;
   // A HELLO is a repeat of itself as soon as it has taken the board.
   assign kick_o = hello_o || (done && !repeated);
   assign reply_o = state_q == Reply;
@@ -160,9 +171,9 @@ module triaxis_command
       .rst_ni,
       .empty_both_i(hello_o),
       .load_i(load_start),
-      .mesh_i(request_q.fields[0]),
-      .empty_first_i(request_q.fields[23:8] == '0),
-      .triangles_i(request_q.fields[24+:$clog2(LoadMax+1)]),
+      .mesh_i(request.fields[0]),
+      .empty_first_i(request.fields[23:8] == '0),
+      .triangles_i(request.fields[24+:$clog2(LoadMax+1)]),
       .accepted_o(load_accepted),
       .done_o(load_done),
       .bad_o(load_bad),
@@ -196,6 +207,7 @@ module triaxis_command
   end
 
   always_ff @(posedge clk_i) begin
+    good_q <= state_q == Judge && place_q == place_t'(RequestBytes) && judged == CodeOk;
     if (state_q == Judge) code_q <= judged;
     else if (load_bad) code_q <= CodeValue;
   end

@@ -23,14 +23,15 @@ _BOARD_SIZES = {
 def _board_twice() -> SbyProof:
     return harness_proof(
         "board_twice",
-        "Whatever the one of two does, the other permits nothing but from the end of a complete run "
-        "that found nothing near, to the deadline that it counts itself, and on its own sign of life, with "
-        "no change, error or fault since; go is that of the one, stop the contrary of the other; what is "
-        "beyond a zone both must say, each with its own go alone, of what the run that began it found; for "
-        "any states of the two. Two runners that differ in anything that they say or ask for, a byte that "
-        "is broken, and what is tried of these, are a fault in the next clock, and nothing else is, until "
-        "the next HELLO; a fault is told to the host, and so are margin, pose, zones and number of the "
-        "first, whole.",
+        "Whatever the one of two does, the other permits nothing but from the end of a complete run that "
+        "found nothing near, to the deadline that it counts itself, and on its own sign of life, with no "
+        "change, error or fault since; go is that of the one, stop the contrary of the other; what is "
+        "beyond a zone both must say, each with its own go alone, of what the run that began it found; "
+        "for any states of the two. Each of two runners is asked by a request of its own; a command is "
+        "executed where two registers say that it was judged in the last clock, whole and good. Two "
+        "runners that differ in anything that they say or ask for, a byte that is broken, and what is "
+        "tried of these, are a fault in the next clock, and nothing else is, until the next HELLO; a "
+        "fault is told to the host, and so are margin, pose, zones and number of the first, whole.",
         _BOARD,
         _BOARD_SIZES,
         2,

@@ -69,7 +69,7 @@ BLOCKS = (
     Block(
         "commands", r"u_command",
         "a command is not executed, or as another one",
-        "sequence numbers; the host compares each answer; [not all](#what-is-left)",
+        "what runs are asked with is kept twice; sequence numbers; the host compares each answer",
     ),
     Block(
         "line to the host", r"u_transmitter|u_ring|u_errors",

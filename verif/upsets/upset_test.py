@@ -7,6 +7,7 @@ the environment, as all others are.
 
 import json
 import os
+import re
 import traceback
 import zlib
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -25,6 +26,7 @@ from triaxis.sim.simulated_board import EVENT, NEVER, BoardPlayer
 from triaxis.verif.board.base_test import BoardTest
 from triaxis.verif.board.line_agent import Until
 from triaxis.verif.board.protocol import REPLY, Command, Integers, framed, load_payload, triangle_bytes
+from triaxis.verif.board.reference import EXECUTED
 from triaxis.verif.upsets.verdict import (
     Asked,
     AskedRun,
@@ -52,8 +54,10 @@ _BYTE_BITS = 10
 # Clocks after which a copy is compared with the talk without an upset: more than a byte takes, so that what
 # is on the line by then has been seen by the stride after.
 _STRIDE = 256
-# Of so many upsets one is of each of the other kinds than flips.
+# Of so many upsets one is of each of the other kinds than flips, and one of a command that asks for a run.
 _OF_OTHERS = 33
+# What a command is gathered and judged in.
+_COMMAND = re.compile(r".*\.u_command\.\w+")
 # Upsets that are tried in one copy, where that suffices; the memories of meshes, of which each run makes use.
 _TOGETHER, _ALWAYS_USED = 32, ".u_store_"
 
@@ -283,28 +287,36 @@ class BoardUpsetsTest(BoardTest):
 
         Bits that are inverted are first those of all flip-flops, then some of memories; where there are fewer
         upsets than flip-flops, any. No bit, and for edges no register, is taken more than once oftener than
-        another. One half is while a run goes on, which is a small part of the time.
+        another. One half is while a run goes on, which is a small part of the time; some are of a command
+        that asks for one, from when it is gathered until it is executed, which is a smaller one.
         """
         sizes = np.array([one.elements * one.bits for one in registers])
         first = np.concatenate([[0], np.cumsum(sizes)])
         count, total, rng = self.settings.pairs, int(first[-1]), self.rng
         others = count // _OF_OTHERS
         missing = _evenly(rng, len(registers), others)
-        counts = {Kind.FLIP: count - 3 * others, Kind.STUCK_AT_0: others, Kind.STUCK_AT_1: others}
-        kinds = np.concatenate(
-            [np.full(many, kind) for kind, many in (*counts.items(), (Kind.MISSED_EDGE, others))]
+        drawn = count - others
+        kinds = np.repeat(
+            [Kind.FLIP, Kind.STUCK_AT_0, Kind.STUCK_AT_1, Kind.MISSED_EDGE, Kind.FLIP],
+            [drawn - 3 * others, *[others] * 4],
         )
         memory = np.repeat([one.elements > 1 for one in registers], sizes)
+        command = np.repeat([bool(_COMMAND.fullmatch(one.name)) for one in registers], sizes)
         bits = np.concatenate(
             [
-                _in_order(rng, memory, counts.pop(Kind.FLIP)),
-                *(_evenly(rng, total, many) for many in counts.values()),
+                _in_order(rng, memory, drawn - 3 * others),
+                *(_evenly(rng, total, others) for _ in ("stuck at 0", "stuck at 1")),
                 first[missing] + rng.integers(0, sizes[missing]),
+                rng.choice(np.flatnonzero(command), others),
             ]
         )
         number = np.searchsorted(first, bits, "right") - 1
-        clocks = rng.integers(0, end, count)
-        half = rng.permutation(count) < count // 2
+        begins = np.array([begin for begin, _ in running]) - 1
+        clocks = np.concatenate(
+            [rng.integers(0, end, drawn), rng.choice(begins, others) - rng.integers(0, EXECUTED + 1, others)]
+        )
+        half = np.zeros(count, bool)
+        half[:drawn] = rng.permutation(drawn) < count // 2
         clocks[half] = rng.choice(np.concatenate([np.arange(*times) for times in running]), int(half.sum()))
         found: list[Upset] = []
         for at in np.argsort(clocks, kind="stable").tolist():

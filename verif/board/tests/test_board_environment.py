@@ -45,7 +45,7 @@ BROKEN = (
     ("TrianglesTakenAtOnce", "judge", "busy_i ? CodeBusy : load_code", "load_code", "Full"),
     ("RunsTakenAtOnce", "judge", "busy_i ? CodeBusy : run_code", "run_code", "Full"),
     ("RepliesTakenAtOnce", "command", "if (full_i && reply_ready_i)", "if (full_i)", "Go"),
-    ("OnlyWhatIsAcceptedIsDone", "command", "Act && code_q == CodeOk", "Act", "Refusals"),
+    ("OnlyWhatIsAcceptedIsDone", "command", "Act && good_q && code_q == CodeOk", "Act", "Refusals"),
     ("NothingChangesDuringRuns", "judge", "busy_i ? CodeBusy : load_code", "load_code", "Full"),
     ("ForgetsAtRest", "command", "state_q == HelloEnd && load_done", "state_q == HelloEnd", "Abort"),
     ("ForgetsMeshes", "loader", "emptied = both_q && mesh_q", "emptied = both_q", "Smoke"),

@@ -4,8 +4,9 @@
 // What permits the machine to move is there twice on the board, and each permits nothing on its own, whatever
 // the other does: go is the one's, stop the other's, and what is beyond a zone both must say. The registers
 // begin with anything, so each of the two may have whatever state it likes: claims are about what the next clock
-// makes of it. Two runs that differ, and a byte of a frame that is broken, are a fault in the next clock. Of the
-// first run all bits are told.
+// makes of it. A run is of the request that is kept for it. Two runs that differ, and a byte of a frame that is
+// broken, are a fault in the next clock. Of the first run all bits are told. What executes a command is that it was
+// judged in the last clock, whole and good, and its code says so too.
 
 `include "triaxis_formal.svh"
 
@@ -73,9 +74,26 @@ module triaxis_board_twice_formal
         };
   end
 
-  logic holds, changed, wrong, complete, tried, tried_frame;
-  assign holds = u_top.request.fields[255:240] != '0;
-  assign changed = u_top.hello || u_top.load || (u_top.run && !holds) || u_top.abort;
+  // Each by the request that is kept for it.
+  logic [1:0] changed;
+  run_fields_t [1:0] asked;
+  logic wrong, complete, tried, tried_frame, executes, judged;
+  for (genvar i = 0; i < 2; i++) begin : g_asked
+    assign asked[i] = u_top.request[i].fields;
+    assign changed[i] = u_top.hello || u_top.load || u_top.abort ||
+        (u_top.run[i] && asked[i].hold == '0);
+  end
+  typedef logic [8*(HeaderBytes+FieldBytes)-9:0] later_t;
+  later_t whole[2];
+  later_t [1:0] later;
+  for (genvar i = 0; i < 2; i++) begin : g_gathered
+    assign whole[i] = u_top.request[i][$bits(request_t)-1:8];
+    assign later[i] = u_top.request[i][$bits(later_t)-1:0];
+  end
+  assign executes = u_top.hello || u_top.u_command.load_start || u_top.run != '0 || u_top.free ||
+      u_top.abort;
+  assign judged = u_top.u_command.state_q == 3'd2 && u_top.u_command.judged == CodeOk &&
+      8'(u_top.u_command.place_q) == 8'(HeaderBytes + FieldBytes);
   assign wrong = u_top.link_error || u_top.refused || u_top.fault;
   assign complete = u_top.done && u_top.done_status == StatusComplete && u_top.near_count == '0;
   assign tried = u_top.busy && u_top.trial.kind == TrialBoard;
@@ -97,8 +115,13 @@ module triaxis_board_twice_formal
     zones_t found;
     logic done;
     logic kick;
-    logic run;
-    logic changed;
+    logic [1:0] run;
+    run_fields_t [1:0] asked;
+    logic forget;
+    logic judged;
+    logic gathers;
+    later_t [1:0] whole;
+    logic [1:0] changed;
     logic wrong;
     logic complete;
     logic tried_runner;
@@ -120,6 +143,11 @@ module triaxis_board_twice_formal
           done: u_top.done,
           kick: u_top.kick,
           run: u_top.run,
+          asked: asked,
+          forget: u_top.forget,
+          judged: judged,
+          gathers: u_top.u_command.state_q == 3'd1,
+          whole: {whole[1], whole[0]},
           changed: changed,
           wrong: wrong,
           complete: complete,
@@ -130,6 +158,15 @@ module triaxis_board_twice_formal
           hello: u_top.hello
       };
   always_ff @(posedge clk_i) last_q <= known;
+
+  logic [1:0] kept;
+  for (genvar i = 0; i < 2; i++) begin : g_kept
+    assign kept[i] = u_top.runs[i].mode == last_q.asked[i].mode[1:0] &&
+        u_top.runs[i].trial == last_q.asked[i].trial &&
+        u_top.runs[i].hold == last_q.asked[i].hold &&
+        u_top.runs[i].run_pose == last_q.asked[i].pose &&
+        u_top.g_runner[i].u_runner.margins_q == last_q.asked[i].margins;
+  end
 
   deadline_t [1:0] deadline_d;
   logic [1:0] late;
@@ -170,14 +207,30 @@ module triaxis_board_twice_formal
     assert ({u_top.status.margin, u_top.status.pose, u_top.status.run_number} ==
             {u_top.g_runner[0].u_runner.margins_q[ZoneMargin], u_top.g_runner[0].u_runner.pose_q,
              u_top.g_runner[0].u_runner.run_number_q});
+    Executes :
+    assert (!executes || (u_top.u_command.state_q == 3'd3 && u_top.u_command.good_q &&
+            u_top.code == CodeOk));
+    // All but runs are of the first.
+    First :
+    assert (u_top.u_command.request == u_top.request[0] &&
+            u_top.u_answer.request_i == u_top.request[0]);
+    RunOfItsOwn :
+    assert ((u_top.run[0] == u_top.run[1] ||
+             u_top.request[0].command != u_top.request[1].command) &&
+            (!u_top.run[0] || u_top.request[0].command == CmdRun) &&
+            (!u_top.run[1] || u_top.request[1].command == CmdRun));
     if (full) begin
+      AsAsked : assert (last_q.forget || (last_q.run & ~kept) == '0);
+      // What is gathered goes on in its own.
+      Gathered : assert (!last_q.gathers || last_q.whole == later);
+      Judged : assert (u_top.u_command.good_q == last_q.judged);
       for (int i = 0; i < 2; i++) begin
         // Go, and being armed, of each come from its own past alone.
         assert (going[i] == (((last_q.going[i] && !late[i] && !last_q.done) ||
                 (last_q.armed[i] && last_q.complete)) &&
-                !last_q.changed && !last_q.wrong && last_q.alive[i]));
-        assert (armed[i] == ((last_q.run || (last_q.armed[i] && !last_q.changed && !late[i])) &&
-                !last_q.wrong && last_q.alive[i]));
+                !last_q.changed[i] && !last_q.wrong && last_q.alive[i]));
+        assert (armed[i] == (!last_q.wrong && last_q.alive[i] &&
+                (last_q.run[i] || (last_q.armed[i] && !last_q.changed[i] && !late[i]))));
         // What it found of the zones, of the run that was clear; beyond one of them only with go.
         assert (zones[i] == (last_q.armed[i] && last_q.complete ? last_q.found : last_q.zones[i]));
         assert (beyond[i] == (going[i] ? ~zones[i] : '0));
@@ -197,6 +250,7 @@ module triaxis_board_twice_formal
       SeenOneAlone : cover (going[0] && !going[1] && go_o && stop_o && last_q.complete);
       SeenBeyondAlone : cover (beyond[0] == '1 && beyond[1] == '0 && going[1]);
       SeenOtherAlone : cover (!going[0] && going[1] && !go_o && !stop_o);
+      SeenOneRun : cover (last_q.run == 2'b10 && last_q.same_runs);
       SeenRunsDiffer : cover (!last_q.tried_runner && !last_q.same_runs && !last_q.broken);
     end
   end

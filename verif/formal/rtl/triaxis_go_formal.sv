@@ -107,7 +107,7 @@ module triaxis_go_formal
   byte_t frame_byte;
   logic [7:0] frame_place;
   logic [8:0] content;
-  assign frame = u_top.request;
+  assign frame = u_top.request[0];
   assign first = frame.fields[23:8];
   assign triangles = frame.fields[31:24];
   assign frame_byte = u_top.u_receiver.byte_q;
@@ -289,7 +289,7 @@ module triaxis_go_formal
   always_ff @(posedge clk_i or negedge rst_n) begin
     if (!rst_n) {faulted_q, was_fault_q, was_hello_q} <= '0;
     else begin
-      faulted_q   <= u_top.fault || (faulted_q && !u_top.run);
+      faulted_q   <= u_top.fault || (faulted_q && !u_top.run[0]);
       was_fault_q <= u_top.fault;
       was_hello_q <= u_top.hello;
     end
@@ -300,13 +300,13 @@ module triaxis_go_formal
   always_ff @(posedge clk_i or negedge rst_n) begin
     if (!rst_n) reason_q <= 1'b0;
     else
-      reason_q <= u_top.hello || u_top.load || (u_top.run && !u_top.keep) || u_top.abort ||
+      reason_q <= u_top.hello || u_top.load || (u_top.run[0] && !u_top.keep[0]) || u_top.abort ||
           u_top.link_error || u_top.refused || u_top.fault || !u_top.alive[0] ||
           (u_top.done && (u_top.done_status != StatusComplete || u_top.near_count != '0));
   end
 
   logic [2:0] told;
-  assign told = {u_top.forget, u_top.run, u_top.cut};
+  assign told = {u_top.forget, u_top.run[0], u_top.cut};
 
   always_comb begin
     Antivalent : assert (go_o != stop_o);
@@ -408,6 +408,8 @@ module triaxis_go_formal
   assign load_here = frame.fields[0] == mesh_q;
 
   always_comb begin
+    // No reset ends what is gathered.
+    assert (u_top.request[0] == u_top.request[1]);
     if (rst_n) begin
       // The copies.
       assert (u_top.says_go[0] == u_top.says_go[1] && u_top.says_stop[0] == u_top.says_stop[1]);
@@ -424,6 +426,8 @@ module triaxis_go_formal
       assert (state == '0 || (u_top.frame_full && u_top.u_mesh.awake_q));
       assert (8'(u_top.u_command.place_q) < 8'(RequestBytes) || state == Judge);
       assert (state inside {Gather, Judge} || u_top.u_command.place_q == '0);
+      assert (state != Judge || 8'(u_top.u_command.place_q) == 8'(RequestBytes));
+      assert (state != Act || u_top.u_command.good_q == ok);
       assert (!u_top.frame_full ||
               content inside {[9'(HeaderBytes) : 9'(MaxFrameBytes - CrcBytes)]});
       Head :

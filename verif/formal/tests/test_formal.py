@@ -3,6 +3,7 @@
 That they hold on the RTL itself is what `make formal` says.
 """
 
+import re
 from dataclasses import replace
 from pathlib import Path
 
@@ -18,7 +19,7 @@ from triaxis.verif.formal import proving
 from triaxis.verif.formal.axis_proofs import axes_proof
 from triaxis.verif.formal.certifier_proof import certificate
 from triaxis.verif.formal.netlist import NetlistError
-from triaxis.verif.formal.proof import Finding, Proof, Result, _header
+from triaxis.verif.formal.proof import Finding, Proof, Result, SbyProof, _header
 from triaxis.verif.formal.proofs import proofs
 
 pytestmark = pytest.mark.prover
@@ -58,7 +59,7 @@ UNSAFE = (
 MISWIRED = (
     ("refusals are not told", ".refused_i(refused)", ".refused_i(1'b0)"),
     ("errors of the line are not told", ".link_error_i(link_error)", ".link_error_i(1'b0)"),
-    ("every run holds", ".keep_i(keep)", ".keep_i(1'b1)"),
+    ("every run holds", ".keep_i(keep[i])", ".keep_i(1'b1)"),
     ("the zones of no run", ".zones_i(zones),", ".zones_i('0),"),
     ("the hold of no run", ".hold_i(runs[i].hold)", ".hold_i('1)"),
     ("a HELLO ends no run", "assign cut = abort || hello;", "assign cut = abort;"),
@@ -176,6 +177,21 @@ ALONE = (
      "zones: zones", "check"),
     ("the pose of a run", "board/triaxis_runner.sv", "    hold_q,\n    pose_q,\n    run_number_q",
      "    hold_q,\n    96'd0,\n    run_number_q", "RunsDiffer"),
+    ("both runners are asked by one request", "board/nexys4ddr_top.sv", "fields_i(request[i].fields)",
+     "fields_i(request[0].fields)", "AsAsked"),
+    ("both runs begin by one command", "board/triaxis_command.sv", "request_q[i].command == CmdRun",
+     "request_q[0].command == CmdRun", "RunOfItsOwn"),
+    ("what is executed that was not judged just then", "board/triaxis_command.sv", " && good_q", "",
+     "Executes"),
+    ("a frame is judged that was not gathered", "board/triaxis_command.sv",
+     " && place_q == place_t'(RequestBytes)", "", "Judged"),
+    ("a code that turns to good", "board/triaxis_command.sv", " && judged == CodeOk", "", "Judged"),
+    ("what is executed though its code is another", "board/triaxis_command.sv",
+     " && code_q == CodeOk && !rep", " && !rep", "Executes"),
+    ("what is gathered goes over to the other", "board/triaxis_command.sv", "{data_i, request_q[i][8",
+     "{data_i, request_q[1-i][8", "Gathered"),
+    ("the second is judged", "board/triaxis_command.sv", "request = request_q[0]", "request = request_q[1]",
+     "First"),
 )  # fmt: skip
 BROKEN = (
     ("accepts more than the queue holds", "streams_m0", "core/triaxis_core.sv",
@@ -590,6 +606,19 @@ def test_what_is_not_covered_fails(tmp_path):
     late = broken_rtl(tmp_path, ("core/triaxis_pkg.sv", "BoxLatency = 4", "BoxLatency = 5"))
     problems = _proof("box_m16").prove(late, tmp_path / "unreached").problems
     assert any("cover: FAIL: " in problem and "SeenApart" in problem for problem in problems), problems
+
+
+@pytest.mark.parametrize("name", ["interval_m0", "multiply_small"])
+def test_checkers_below_a_harness_count_from_its_first_clock(tmp_path, name):
+    # Else what is covered is reached at once, of what registers happen to hold, and says nothing.
+    proof, sources, log = _proof(name), tmp_path / "sources", tmp_path / "cover.log"
+    assert isinstance(proof, SbyProof)
+    sources.mkdir()
+    proof._copy(DUT, sources)
+    (tmp_path / "proof.sby").write_text(proof._configuration(sources))
+    assert proof._run("cover", tmp_path, log) is None
+    reached = re.findall(r"Reached cover statement in step (\d+)", log.read_text())
+    assert reached and "0" not in reached
 
 
 @pytest.mark.parametrize(

@@ -17,7 +17,18 @@ from triaxis.verif.upsets import builds, campaign
 from triaxis.verif.upsets.builds import MEASURES, module_of, registers, without_measures
 from triaxis.verif.upsets.fmeda import BLOCKS, block_of
 from triaxis.verif.upsets.upset_test import grouped
-from triaxis.verif.upsets.verdict import EARLY, LATE, Asked, AskedRun, Fate, Kind, Truth, Upset, permitted
+from triaxis.verif.upsets.verdict import (
+    EARLY,
+    LATE,
+    Asked,
+    AskedRun,
+    Fate,
+    Kind,
+    Truth,
+    Upset,
+    permitted,
+    runs,
+)
 
 SESSION, RUN = 7, 1
 GO, STOP = 1, 2
@@ -213,3 +224,24 @@ def test_upsets_of_the_board_are_seen(tmp_path, seed, monkeypatch):
     assert campaign.TABLE.read_text().count("\n") == 2 + len(BLOCKS) and campaign.PLOT.exists()
     wrong = replace(result, outcomes=(*result.outcomes, replace(result.outcomes[0], fate=Fate.DANGEROUS)))
     assert not wrong.passed and len(wrong.dangerous) == len(result.dangerous) + 1
+
+
+@pytest.mark.long
+@pytest.mark.simulator
+def test_a_pose_that_changes_before_its_run_begins_gives_no_go(tmp_path, seed, monkeypatch):
+    """The pose of the second run, at which a pair is near, as each of the two runners is given it."""
+    monkeypatch.setattr(campaign, "FOLDER", tmp_path)
+    board = campaign._Campaign(campaign.CONFIG, seed, lambda _: None)
+    assert len(board.run(33)) == 33
+    with np.load(tmp_path / "run" / "undisturbed.npz") as kept:
+        begins = runs(kept["events"], int(kept["events"]["clock"][-1]))[1][0]
+    # Two requests; the last fields are z, of four bytes, and the hold, of two.
+    size = HEAD.size + len(RunRequest(Mode.ALL, 0, *NO_ZONES, 1, 1).pack())
+    command = "TOP.nexys4ddr_top.u_command.request_q"
+    changes = [
+        Upset(Kind.FLIP, command, 0, 8 * (size * copy + size - 6) + bit, begins - 3, running=False)
+        for copy in range(2)
+        for bit in range(8)
+    ]
+    outcomes = board.run(len(changes), upsets=changes)
+    assert not board.problems and {one.fate for one in outcomes} <= {Fate.DETECTED, Fate.FALSE_STOP}, outcomes
