@@ -11,9 +11,10 @@
 // where both forms agree: a field that is altered in one of them, in whatever way, is no answer.
 //
 // Frames are judged in this order: a HELLO of session 0 (6), session (3), command (1), sequence number
-// (4), length (2), a run that is going on (5), values (6), place (7, 8, 9, 10), coordinates (6). The sequence number counts commands that
-// were executed: one that is refused does not use it up. A refusal has no payload, but for code 4
-// (u32: the number expected) and code 7 (what LOAD answers: the mesh held).
+// (4), length (2), a run that is going on (5), values (6), place (7, 8, 9, 10), coordinates (6).
+// The sequence number counts commands that were executed: one that is refused does not use it up. A
+// refusal has no payload, but for code 4 (u32: the number expected) and code 7 (what LOAD answers:
+// the mesh held).
 //
 // The error counter counts frames with a bad CRC, bad stuffing, fewer than 13 or more than 256
 // bytes; framing errors of the line; frames that arrive before the last one was taken; and frames

@@ -4,8 +4,8 @@
 // Computes: whole frames with a good CRC, held in a memory until they are released. Each frame that
 // is not handed out is told by one pulse of error_o: bad CRC, fewer bytes than the shortest frame
 // has, more than MaxFrameBytes, bad stuffing, a framing error, or a beginning before the last frame
-// was released: a frame that has two of these is told twice. Empty frames are passed over. Each byte is kept with its parity, and broken_o tells of one
-// that is shown, and has changed.
+// was released: a frame that has two of these is told twice. Empty frames are passed over. Each
+// byte is kept with its parity, and broken_o tells of one that is shown, and has changed.
 // Widths: 0 .. MaxFrameBytes bytes are counted.
 // Latency: 1 clock from a frame's end to full_o; data_o shows address_i in the same clock.
 
