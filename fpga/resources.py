@@ -65,7 +65,8 @@ def synthesise(
     place, (read, written, simulated, counted, *near) = from_one_folder(paths)
     script = "; ".join(
         [
-            read_slang(near, top, parameters, f"-I {read}"),
+            # Else it flattens at once, and what is there twice becomes one: see TWICE in board_build.py.
+            read_slang(near, top, parameters, f"-I {read} --best-effort-hierarchy"),
             *([f"setattr -set keep 1 {' '.join(f'{top}/w:{name}' for name in kept)}"] if kept else []),
             f"synth_xilinx -family xc7 -flatten -noiopad -top {top}",
             f"write_json {written}",

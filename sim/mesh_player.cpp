@@ -4,8 +4,9 @@
 // The Verilated mesh engine behind C functions: a bus-functional model of all its streams. It offers triangles
 // and runs, aborts runs, takes near pairs and summaries at given paces, and notes what it sees in one list of
 // events, in order of time. Everything is sampled before the rising edge and driven after it, as the pin agents
-// do. What is offered stays until it is accepted; while nothing is offered, the pins say something else than
-// what was or comes next, so that an engine that takes it shows. See mesh_engine.py.
+// do. What is offered stays until it is accepted, or a reset strikes, after which it is offered again; while
+// nothing is offered, the pins say something else than what was or comes next, so that an engine that takes it
+// shows. See mesh_engine.py.
 
 #include <algorithm>
 #include <cstring>
@@ -130,8 +131,7 @@ class Player {
       engine_.abort_i = run.idle_abort != 0;
       engine_.acknowledge_i = run.acknowledge != 0;
     } else {
-      PutRun(0);
-      engine_.s_axis_run_tvalid_i = 1;
+      OfferRun();
     }
     Settle();
   }
@@ -191,7 +191,7 @@ class Player {
     }
   }
 
-  bool loading() const { return engine_.s_axis_load_tvalid_i || next_word_ < load_.count; }
+  bool loading() const { return engine_.s_axis_load_tvalid_i || word_waits_ || next_word_ < load_.count; }
   bool hung() const { return patience_ < 0; }
 
   void Clock() {
@@ -207,7 +207,12 @@ class Player {
     }
     Wait(reset || word_moves || run_moves || taken);
     bench.Rise();
-    if (word_moves || (!engine_.s_axis_load_tvalid_i && next_word_ < load_.count)) OfferWord();
+    if (reset) {
+      HoldBack();
+    } else {
+      OfferAgain();
+    }
+    if (word_moves || (!engine_.s_axis_load_tvalid_i && !word_waits_ && next_word_ < load_.count)) OfferWord();
     FollowRun(run_moves, taken || reset);
     engine_.m_axis_near_tready_i = Ready(near_pace_);
     engine_.m_axis_done_tready_i = Ready(done_pace_);
@@ -224,7 +229,8 @@ class Player {
   void Wait(bool moves) {
     const bool stalled = (engine_.m_axis_near_tvalid_o && !engine_.m_axis_near_tready_i) ||
                          (engine_.m_axis_done_tvalid_o && !engine_.m_axis_done_tready_i);
-    const bool asked = running_ || engine_.s_axis_load_tvalid_i || engine_.s_axis_run_tvalid_i;
+    const bool asked =
+        running_ || engine_.s_axis_load_tvalid_i || engine_.s_axis_run_tvalid_i || word_waits_ || run_waits_;
     if (moves || !asked) {
       patience_ = kPatience;
     } else if (!stalled) {
@@ -244,6 +250,27 @@ class Player {
     engine_.s_axis_load_tuser_i = user | (next ? load_.mesh : load_.mesh ^ 1);
     engine_.s_axis_load_tvalid_i = next;
     next_word_ += next;
+    HoldBack();
+  }
+
+  void OfferRun() {
+    PutRun(0);
+    engine_.s_axis_run_tvalid_i = 1;
+    HoldBack();
+  }
+
+  // In a reset nothing is offered.
+  void HoldBack() {
+    if (engine_.rst_ni) return;
+    word_waits_ |= engine_.s_axis_load_tvalid_i;
+    run_waits_ |= engine_.s_axis_run_tvalid_i;
+    engine_.s_axis_load_tvalid_i = engine_.s_axis_run_tvalid_i = 0;
+  }
+
+  void OfferAgain() {
+    engine_.s_axis_load_tvalid_i |= word_waits_;
+    engine_.s_axis_run_tvalid_i |= run_waits_;
+    word_waits_ = run_waits_ = false;
   }
 
   // Triangle i, or the last, all bits flipped or none.
@@ -285,8 +312,7 @@ class Player {
       engine_.s_axis_run_tvalid_i = 0;
     } else if (announced_) {
       announced_ = false;
-      PutRun(0);
-      engine_.s_axis_run_tvalid_i = 1;
+      OfferRun();
     }
     engine_.acknowledge_i = 0;
     engine_.abort_i = running_ && next_abort_ < aborts_.size() && aborts_[next_abort_] == run_clock_;
@@ -398,6 +424,8 @@ class Player {
   int64_t next_word_ = 0;
   size_t next_abort_ = 0;
   bool announced_ = false;
+  bool word_waits_ = false;
+  bool run_waits_ = false;
   bool running_ = false;
   int64_t run_clock_ = 0;
   int64_t accepted_ = 0;

@@ -59,6 +59,7 @@ _TWICE = (
     "g_watchdog[{}].u_watchdog",
     "g_runner[{}].u_runner",
     "g_safety[{}].u_safety",
+    "u_command.g_request[{}].u_request",
     "u_mesh.g_walk[{}].u_walk",
     "u_mesh.u_store_a.g_intake[{}].u_intake",
     "u_mesh.u_store_b.g_intake[{}].u_intake",

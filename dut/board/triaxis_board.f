@@ -10,6 +10,7 @@ triaxis_receiver.sv
 triaxis_session.sv
 triaxis_judge.sv
 triaxis_loader.sv
+triaxis_request.sv
 triaxis_command.sv
 triaxis_watchdog.sv
 triaxis_runner.sv

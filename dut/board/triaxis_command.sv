@@ -4,8 +4,8 @@
 // Computes: what the frames ask for, one after the other: judges a frame, has it executed, asks for
 // the reply. Answers are functions of the state after the command, so a repeat, which is not
 // executed again, gets the same answer as the lost one.
-// What a run is asked with is kept twice, and each copy begins a run of its own: two that differ are
-// two runs that differ. That a frame was judged just then, whole and good, is kept beside its code.
+// What a run is asked with is kept twice, see triaxis_request. That a frame was judged just then, whole
+// and good, is kept beside its code.
 // Widths: see triaxis_board_pkg.
 // Latency: HeaderBytes + FieldBytes + 3 clocks, and what LOAD, HELLO and ABORT take.
 
@@ -72,15 +72,13 @@ module triaxis_command
   state_e state_q;
   code_e code_q;
   place_t place_q;
-  // Both begin alike: what comes in is the same.
-  (* keep = "true", dont_touch = "true" *) request_t [1:0] request_q = '0;
   logic good_q;
 
   request_t request;
-  assign request = request_q[0];
+  assign request = request_o[0];
 
   code_e judged;
-  logic nobody, mine, next, repeated, execute, done;
+  logic gather, nobody, mine, next, repeated, execute, done;
   logic load_start, load_done, load_bad, load_accepted;
   address_t load_address;
 
@@ -89,21 +87,26 @@ module triaxis_command
   address_t content_bytes;
   assign content_bytes = length_i - 8'(CrcBytes);
   assign address_o = state_q == Load ? load_address : address_t'(place_q);
-  assign request_o = request_q;
+  assign gather = state_q == Gather;
 
-  // Fields that a frame does not have are anything: nothing is made of them.
   always_ff @(posedge clk_i) begin
-    if (state_q == Gather) begin
+    if (gather) begin
       place_q <= place_q + place_t'(1);
     end else begin
       place_q <= '0;
     end
   end
-  for (genvar i = 0; i < 2; i++) begin : g_copy
-    always_ff @(posedge clk_i) begin
-      if (state_q == Gather) request_q[i] <= {data_i, request_q[i][8*RequestBytes-1:8]};
-    end
-    assign run_o[i] = execute && request_q[i].command == CmdRun;
+
+  for (genvar i = 0; i < 2; i++) begin : g_request
+    (* keep_hierarchy = "yes", dont_touch = "yes" *)
+    triaxis_request u_request (
+        .clk_i,
+        .gather_i (gather),
+        .data_i,
+        .execute_i(execute),
+        .run_o    (run_o[i]),
+        .request_o(request_o[i])
+    );
   end
 
   // --- Verdict --------------------------------------------------------------------------------------

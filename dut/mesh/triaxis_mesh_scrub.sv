@@ -8,7 +8,8 @@
 // of what was read that of what came. So a write that was lost is found as well, which parity does not
 // show: of a triangle all but one in some 2^32, of a box where it leaves one that is too small.
 // Widths: coordinates W bits; a count of triangles has log2(Depth)+1 bits, for Depth itself.
-// Latency: a fault is found Depth + 1 clocks of scrub_i after it came, or sooner, where nothing is loaded.
+// Latency: a fault is found Depth + 1 clocks of scrub_i after it came, or sooner, where nothing is loaded; one
+// that only the CRC-32 shows up to 2 Depth + 1, as the mesh must be read whole.
 
 module triaxis_mesh_scrub
   import triaxis_mesh_pkg::*;

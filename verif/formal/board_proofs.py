@@ -8,8 +8,8 @@ _BOARD = (
     *(
         f"board/triaxis_{module}"
         for module in (
-            "beat", "safety", "answer", "saturating_counter", "runner", "watchdog", "command", "loader",
-            "judge", "session", "reset_sync",
+            "beat", "safety", "answer", "saturating_counter", "runner", "watchdog", "request", "command",
+            "loader", "judge", "session", "reset_sync",
         )
     ),
 )  # fmt: skip

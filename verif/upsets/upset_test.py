@@ -57,7 +57,7 @@ _STRIDE = 256
 # Of so many upsets one is of each of the other kinds than flips, and one of a command that asks for a run.
 _OF_OTHERS = 33
 # What a command is gathered and judged in.
-_COMMAND = re.compile(r".*\.u_command\.\w+")
+_COMMAND = re.compile(r".*\.u_command\.(g_request\[\d\]\.u_request\.)?\w+")
 # Upsets that are tried in one copy, where that suffices; the memories of meshes, of which each run makes use.
 _TOGETHER, _ALWAYS_USED = 32, ".u_store_"
 

@@ -380,7 +380,8 @@ module triaxis_go_formal
   hold_t hold_left;
   part_t hold_part;
   logic busy, armed, repeated, executes, ok, load_here, loading, hello_new, in_hello;
-  logic [7:0] read;  // bytes of the frame
+  logic gathered_q = 1'b0;  // a frame, since power-up
+  logic [7:0] read, came;  // bytes of the frame, and of it or of one before
   logic [3:0] sent;  // triangles of the frame before the one that is in hand
   logic [7:0] sent_place;
   logic [4:0] loader_byte;
@@ -397,6 +398,7 @@ module triaxis_go_formal
   assign repeated = u_top.u_command.repeated;
   assign ok = u_top.code == CodeOk;
   assign read = state > Gather ? 8'(RequestBytes) : 8'(u_top.u_command.place_q);
+  assign came = gathered_q ? 8'(RequestBytes) : state == '0 ? '0 : 8'(u_top.u_command.place_q);
   assign executes = state == Act && ok && !repeated;
   assign loading = state == Load && u_top.u_command.u_loader.sending_q;
   assign hello_new = state == Reply && ok && frame.command == CmdHello && heard;
@@ -406,10 +408,12 @@ module triaxis_go_formal
   assign loader_triangle = u_top.u_command.u_loader.triangle_q;
   assign sent_place = 8'(FirstTriangle) + 8'(sent) * 8'(TriangleBytes);
   assign load_here = frame.fields[0] == mesh_q;
+  always_ff @(posedge clk_i) gathered_q <= gathered_q || state == Judge;
 
   always_comb begin
-    // No reset ends what is gathered.
-    assert (u_top.request[0] == u_top.request[1]);
+    // Nothing resets what is gathered: what came is alike, and before the first frame the rest is anything.
+    assert ((u_top.request[0] ^ u_top.request[1]) >> (8 * (8'(RequestBytes) - came)) == '0);
+    assert (gathered_q || state inside {3'd0, Gather, Judge});
     if (rst_n) begin
       // The copies.
       assert (u_top.says_go[0] == u_top.says_go[1] && u_top.says_stop[0] == u_top.says_stop[1]);

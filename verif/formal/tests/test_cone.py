@@ -52,7 +52,7 @@ def test_all_registers_are_those_of_every_module_that_has_some(tmp_path):
     # Memories, members of structures, what lies in a block, and what a macro declares.
     assert {
         Register("triaxis_fifo", "memory_q"),
-        Register("triaxis_command", "request_q.session"),
+        Register("triaxis_request", "request_q.session"),
         Register("triaxis_delay", "g_regs.g_stage.stage_q"),
         Register("triaxis_verdict", "flags_2"),
     } <= every

@@ -85,6 +85,18 @@ module triaxis_mesh_sva
   ))
   else $error("a run was withdrawn or changed while it waited");
 
+  TriangleWithdrawnInReset :
+  assert property (@(posedge clk_i) !rst_ni && $past(
+      !rst_ni && s_axis_load_tvalid_i
+  ) |-> !s_axis_load_tvalid_i)
+  else $error("a triangle is offered on and on in a reset");
+
+  RunWithdrawnInReset :
+  assert property (@(posedge clk_i) !rst_ni && $past(
+      !rst_ni && s_axis_run_tvalid_i
+  ) |-> !s_axis_run_tvalid_i)
+  else $error("a run is offered on and on in a reset");
+
   // A run has the meshes to itself, from its acceptance until its summary is taken.
   NotLoadedWhileBusy :
   assert property (@(posedge clk_i) disable iff (!rst_ni) busy_o |-> !s_axis_load_tready_o)

@@ -237,9 +237,9 @@ def test_a_pose_that_changes_before_its_run_begins_gives_no_go(tmp_path, seed, m
         begins = runs(kept["events"], int(kept["events"]["clock"][-1]))[1][0]
     # Two requests; the last fields are z, of four bytes, and the hold, of two.
     size = HEAD.size + len(RunRequest(Mode.ALL, 0, *NO_ZONES, 1, 1).pack())
-    command = "TOP.nexys4ddr_top.u_command.request_q"
+    kept = "TOP.nexys4ddr_top.u_command.g_request[{}].u_request.request_q"
     changes = [
-        Upset(Kind.FLIP, command, 0, 8 * (size * copy + size - 6) + bit, begins - 3, running=False)
+        Upset(Kind.FLIP, kept.format(copy), 0, 8 * (size - 6) + bit, begins - 3, running=False)
         for copy in range(2)
         for bit in range(8)
     ]
