@@ -21,6 +21,21 @@ ENGINE_INSTANCE = "u_mesh"
 # The build that is signed off for the board, and that the board's environment simulates by its name.
 SIGNED_OFF = BoardParameters(depth=4096, certify=True, **TOP_TIMES)
 
+# What is in the top twice, so that one half finds what goes wrong in the other: no synthesis may merge it.
+TWICE = tuple(
+    place.format(k)
+    for place in (
+        "g_watchdog[{}].u_watchdog",
+        "g_runner[{}].u_runner",
+        "g_safety[{}].u_safety",
+        "u_command.g_request[{}].u_request",
+        "u_mesh.g_walk[{}].u_walk",
+        "u_mesh.u_store_a.g_intake[{}].u_intake",
+        "u_mesh.u_store_b.g_intake[{}].u_intake",
+    )
+    for k in range(2)
+)
+
 
 @dataclass(frozen=True)
 class Resources:

@@ -6,15 +6,18 @@ An estimate, not a routed result.
 import json
 import re
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, dataclass
 from pathlib import Path
 
-from triaxis.fpga.board_build import BOARD_LIMITS, TOP, WHOLE_PART, XC7A100T, Limits, Resources
+from triaxis.fpga.board_build import BOARD_LIMITS, TOP, TWICE, WHOLE_PART, XC7A100T, Limits, Resources
 from triaxis.fpga.logic_depth import LogicDepth
 from triaxis.golden.errors import InputError
 from triaxis.golden.outputs import write_whole
 from triaxis.sim.configuration import CERTIFIED_TOP, CORE_TOP
 from triaxis.sim.programs import from_one_folder, read_slang, run_to_result, yosys
+
+# What decides, besides RTL and tool, what comes of a synthesis.
+SYNTHESIS = Path(__file__)
 
 # LUTs that a cell occupies. Shift registers and RAMs are made of LUTs: RAM32M of four. An inverter is one at
 # most: the LUT that it drives, or an input that can be inverted, may take it in.
@@ -36,12 +39,14 @@ _KINDS = {"BLOCK": "block", "LUT": "look-up tables"}
 class Synthesis:
     """What a build takes, what each memory in it was made of, block or look-up tables, and its netlist.
 
-    The netlist is there as Verilog too, beside it, for simulation: netlist.v.
+    The netlist is there as Verilog too, beside it, for simulation: netlist.v. ``apart``: the paths of the
+    instances that are modules of their own in it.
     """
 
     used: Resources
     memories: Mapping[str, str]
     netlist: Path
+    apart: frozenset[str] = frozenset()
 
 
 def synthesise(
@@ -75,8 +80,11 @@ def synthesise(
         ]
     )
     run_to_result([str(yosys()), "-p", script], statistics, log, place)
-    used = count(json.loads(statistics.read_text())["design"]["num_cells_by_type"])
-    return Synthesis(used, memories(log.read_text(errors="replace")), netlist)
+    found = json.loads(statistics.read_text())
+    # A module that is kept is named MODULE$PATH.
+    apart = frozenset(path for name in found["modules"] if (path := name.partition("$")[2]))
+    used = count(found["design"]["num_cells_by_type"])
+    return Synthesis(used, memories(log.read_text(errors="replace")), netlist, apart)
 
 
 def memories(log: str) -> dict[str, str]:
@@ -150,24 +158,25 @@ BUILDS = (
 
 @dataclass(frozen=True)
 class Row:
-    """A build, what it takes, and what each of its memories is made of: block or look-up tables."""
+    """A build, and what came of it; see `Synthesis`."""
 
     build: Build
-    used: Resources
-    memories: Mapping[str, str] = field(default_factory=dict)
+    made: Synthesis
     depth: LogicDepth | None = None
 
     @property
     def problems(self) -> list[str]:
-        """Return what is beyond its limit, and memories that should be block RAM and are not."""
-        found = self.build.limits.exceeded(self.used)
+        """Return what is beyond its limit, not in block RAM though it should be, or not there twice."""
+        found = self.build.limits.exceeded(self.made.used)
         if self.build.top != TOP:
             return found
-        deep = {name: kind for name, kind in self.memories.items() if _DEEP.search(name)}
+        deep = {name: kind for name, kind in self.made.memories.items() if _DEEP.search(name)}
         misplaced = sorted(name for name, kind in deep.items() if kind != "block")
         if not deep:
             misplaced = ["the memories of the meshes: none found"]
-        return found + [f"{name}: not in block RAM" for name in misplaced]
+        found += [f"{name}: not in block RAM" for name in misplaced]
+        missing = sorted({f"{TOP}.{place}" for place in TWICE} - self.made.apart)
+        return found + [f"{path}: not kept as it is: it may be one with its twin" for path in missing]
 
     @property
     def within_limit(self) -> bool:
@@ -187,9 +196,9 @@ def write_report(path: Path, rows: Sequence[Row], rtl_hash: str, tool: str) -> N
                 "meaning": row.build.meaning,
                 "top": row.build.top,
                 "parameters": dict(row.build.parameters),
-                **asdict(row.used),
+                **asdict(row.made.used),
                 "limits": asdict(row.build.limits),
-                "memories": dict(row.memories),
+                "memories": dict(row.made.memories),
                 "logic_depth": asdict(row.depth) if row.depth else None,
                 "problems": row.problems,
                 "within_limit": row.within_limit,

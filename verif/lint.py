@@ -13,7 +13,7 @@ from tempfile import TemporaryDirectory
 from typing import Any
 
 from triaxis.fpga.board_build import TOP as BOARD
-from triaxis.fpga.board_build import bitstream_sources
+from triaxis.fpga.board_build import TWICE, bitstream_sources
 from triaxis.fpga.gowin_timing import HARNESS as TIMING_HARNESS
 from triaxis.fpga.gowin_timing import TOP as TIMING_TOP
 from triaxis.fpga.register_block import REGISTERS_RTL, SOC_RTL
@@ -53,19 +53,10 @@ _BOARD_BUILDS = (
 )
 _SOC_BUILDS = ({"W": 16}, {"W": 32, "M": 0, "Depth": 32768}, {"W": 8, "M": 1, "Depth": 64, "Certify": 0})
 
-# What no synthesis may merge, remove or move, by its place in the board's top: what is there twice, so that
-# one half finds what goes wrong in the other; the registers of go and stop; synchronisers.
-_TWICE = (
-    "g_watchdog[{}].u_watchdog",
-    "g_runner[{}].u_runner",
-    "g_safety[{}].u_safety",
-    "u_command.g_request[{}].u_request",
-    "u_mesh.g_walk[{}].u_walk",
-    "u_mesh.u_store_a.g_intake[{}].u_intake",
-    "u_mesh.u_store_b.g_intake[{}].u_intake",
-)
+# What no synthesis may merge, remove or move, by its place in the board's top: what is there twice, the
+# registers of go and stop, synchronisers.
 _KEPT = {
-    **{place.format(k): {"keep_hierarchy": "yes", "dont_touch": "yes"} for place in _TWICE for k in range(2)},
+    **{place: {"keep_hierarchy": "yes", "dont_touch": "yes"} for place in TWICE},
     **{
         f"g_safety[{k}].u_safety.{register}": {"keep": "true", "dont_touch": "true"}
         for k in range(2)

@@ -1,10 +1,12 @@
 """What builds take: DSP blocks by our count and by the synthesiser's, cells, block RAM, limits."""
 
+from pathlib import Path
+
 import pytest
 
-from triaxis.fpga.board_build import BOARD_LIMITS, TOP, WHOLE_PART, XC7A100T, Resources
+from triaxis.fpga.board_build import BOARD_LIMITS, TOP, TWICE, WHOLE_PART, XC7A100T, Resources
 from triaxis.fpga.dsp_count import DspCount, DspCounts
-from triaxis.fpga.resources import Build, Row, count, memories, synthesise
+from triaxis.fpga.resources import Build, Row, Synthesis, count, memories, synthesise
 from triaxis.golden.errors import InputError
 from triaxis.sim.paths import DUT
 
@@ -60,14 +62,39 @@ mapping memory nexys4ddr_top.u_mesh.u_store_b.g_lane[1].u_groups.memory_q via $_
 """
 
 
-def test_the_meshes_must_be_in_block_ram():
+def test_the_meshes_must_be_in_block_ram_and_twins_be_two():
     build = Build("board", "x", {}, BOARD_LIMITS, TOP)
-    found = memories(LOG)
-    assert set(found.values()) == {"block", "look-up tables"}
-    assert Row(build, Resources(0, 0, 0), found).within_limit
-    broken = Row(build, Resources(0, 0, 0), memories(LOG.replace("BLOCKRAM_SDP", "LUTRAM_SDP")))
-    assert broken.problems == ["nexys4ddr_top.u_mesh.u_store_b.g_lane[1].u_boxes.memory_q: not in block RAM"]
-    assert "none found" in Row(build, Resources(0, 0, 0), memories("another log")).problems[0]
+    twins = frozenset(f"{TOP}.{place}" for place in TWICE)
+
+    def problems(log=LOG, apart=twins):
+        return Row(build, Synthesis(Resources(0, 0, 0), memories(log), Path("netlist"), apart)).problems
+
+    assert set(memories(LOG).values()) == {"block", "look-up tables"}
+    assert problems() == []
+    assert problems(LOG.replace("BLOCKRAM_SDP", "LUTRAM_SDP")) == [
+        "nexys4ddr_top.u_mesh.u_store_b.g_lane[1].u_boxes.memory_q: not in block RAM"
+    ]
+    assert "none found" in problems("another log")[0]
+    (problem,) = problems(apart=twins - {f"{TOP}.g_runner[1].u_runner"})
+    assert problem.startswith("nexys4ddr_top.g_runner[1].u_runner: not kept")
+
+
+@pytest.mark.synthesiser
+@pytest.mark.parametrize(("attribute", "ffs"), [("", 1), ('(* keep_hierarchy = "yes" *)', 2)])
+def test_twins_are_counted_twice_where_they_are_to_be_kept(tmp_path, attribute, ffs):
+    """Without the attribute yosys makes one of two that are alike."""
+    source = tmp_path / "top.sv"
+    source.write_text(f"""
+module half (input logic clk_i, d_i, output logic q_o); always_ff @(posedge clk_i) q_o <= d_i; endmodule
+module top (input logic clk_i, d_i, output logic [1:0] q_o);
+  for (genvar i = 0; i < 2; i++) begin : g_half
+    {attribute} half u_half (.clk_i, .d_i, .q_o(q_o[i]));
+  end
+endmodule
+""")
+    made = synthesise([source], tmp_path, "top", {}, tmp_path / "made")
+    assert made.used.ffs == ffs
+    assert made.apart == {f"top.g_half[{i}].u_half" for i in range(2) if attribute}
 
 
 def test_a_tool_that_ends_silently_is_an_error(tmp_path, monkeypatch):

@@ -11,7 +11,7 @@ from fractions import Fraction
 from pathlib import Path
 
 from triaxis.fpga.board_build import TOP, WHOLE_PART, XC7A100T, Resources, bitstream_sources
-from triaxis.fpga.resources import BUILDS, synthesise
+from triaxis.fpga.resources import BUILDS, SYNTHESIS, synthesise
 from triaxis.golden.outputs import write_whole
 from triaxis.golden.pairs import MAX_WIDTH, MIN_WIDTH
 from triaxis.host.advice.wanted import AdviceScene, Wanted
@@ -131,7 +131,8 @@ def _parameters(row: WidthRow) -> Mapping[str, int]:
 
 def _kept(row: WidthRow) -> Path:
     values = [f"{name}={value}" for name, value in _parameters(row).items()]
-    key = content_hash([*bitstream_sources(DUT), *sorted((DUT / "core").glob("*.svh"))], TOP, *values)
+    files = [*bitstream_sources(DUT), *sorted((DUT / "core").glob("*.svh")), SYNTHESIS]
+    key = content_hash(files, TOP, *values)
     return _FOLDER / f"{key[:24]}.json"
 
 

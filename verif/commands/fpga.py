@@ -81,7 +81,7 @@ def _report(_options: argparse.Namespace) -> int:
             made = synthesise(sources[build.top], DUT / "core", build.top, build.parameters, folder)
             depth = None if build.top == TOP else logic_depth(made.netlist)
             progress(1)
-            return Row(build, made.used, made.memories, depth)
+            return Row(build, made, depth)
 
         with threads(_JOBS) as pool:
             rows = list(pool.map(job, BUILDS))
@@ -98,7 +98,7 @@ def _print_used(rows: list[Row], tool: str) -> None:
     used = table(title, ("build", "DSP48E1", "LUTs", "FFs", "RAMB36"))
     for row in rows:
         limits, available = vars(row.build.limits), vars(XC7A100T)
-        cells = [_cell(vars(row.used)[name], available[name], limits[name]) for name in available]
+        cells = [_cell(vars(row.made.used)[name], available[name], limits[name]) for name in available]
         used.add_row(row.build.meaning, *cells)
     used.add_row("available", *(f"{value:,}" for value in vars(XC7A100T).values()))
     Console(width=120).print(used)

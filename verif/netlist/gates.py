@@ -8,7 +8,7 @@ import re
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from triaxis.fpga.resources import synthesise
+from triaxis.fpga.resources import SYNTHESIS, synthesise
 from triaxis.golden.errors import InputError
 from triaxis.golden.input_file import read_input
 from triaxis.sim.build import built
@@ -110,7 +110,7 @@ def synthesised(build: Build) -> Path:
     # What the player looks at.
     control = "".join(path.read_text(encoding="utf-8") for path in _control(build))
     kept = re.findall(r'-var "(\w+)"', control)
-    files = [*sources, build.dut / "core" / "triaxis_stage.svh"]
+    files = [*sources, build.dut / "core" / "triaxis_stage.svh", SYNTHESIS]
     settings = (yosys_version(), repr(kept), repr(sorted(build.parameters.items())))
 
     def make(partial: Path) -> None:

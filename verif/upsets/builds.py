@@ -45,7 +45,7 @@ MEASURES = (
     Measure("scrub", "meshes are looked at again between runs"),
     Measure("intakes", "boxes are computed twice"),
     Measure("certificates", "each clear of the core is shown again"),
-    Measure("frames", "frames have parity until they are executed"),
+    Measure("frames", "frames have parity until they are gathered"),
 )
 _FILES = tuple(sorted(DUT.rglob("*.sv")))
 _NAME = re.compile(r"[A-Za-z_]\w*")

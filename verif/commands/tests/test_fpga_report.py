@@ -2,7 +2,7 @@
 
 import pytest
 
-from triaxis.fpga.board_build import TOP, Resources
+from triaxis.fpga.board_build import TOP, TWICE, Resources
 from triaxis.fpga.logic_depth import LogicDepth, LogicPath, Tightest
 from triaxis.fpga.resources import BUILDS, Synthesis
 from triaxis.host.cli import main
@@ -11,6 +11,8 @@ from triaxis.verif.commands import fpga
 
 MEMORIES = {f"{TOP}.u_mesh.u_store_a.u_{name}.memory_q": "block" for name in ("triangles", "boxes")}
 
+TWINS = frozenset(f"{TOP}.{place}" for place in TWICE)
+
 
 @pytest.mark.parametrize(("dsps", "status"), [(67, 0), (241, 1)])
 def test_command(tmp_path, monkeypatch, capsys, dsps, status):
@@ -18,7 +20,7 @@ def test_command(tmp_path, monkeypatch, capsys, dsps, status):
 
     def synthesise_nothing(sources, _include, top, parameters, _folder):
         made.append((top, len(sources)))
-        return Synthesis(Resources(dsps, 10, 20, 30), MEMORIES, tmp_path / "netlist.json")
+        return Synthesis(Resources(dsps, 10, 20, 30), MEMORIES, tmp_path / "netlist.json", TWINS)
 
     path = LogicPath("from_q", "to_q", ("LUT6", "CARRY4"), 2, cells_ns=1.5, wires=2)
     monkeypatch.setattr(fpga, "synthesise", synthesise_nothing)
