@@ -189,8 +189,8 @@ def _registers(module: str, settled: bool = False, **parameters: int) -> ModuleP
 
 
 _OF_BOARD = (
-    "answer", "beat", "command", "crc32", "decimal", "display", "loader", "reset_sync", "runner", "safety",
-    "request", "saturating_counter", "session", "slip_rx", "slip_tx", "uart_rx", "uart_tx", "watchdog",
+    "answer", "beat", "command", "crc32", "decimal", "display", "loader", "request", "reset_sync", "runner",
+    "safety", "saturating_counter", "session", "slip_rx", "slip_tx", "uart_rx", "uart_tx", "watchdog",
 )  # fmt: skip
 # At widths at which provers end within a minute; those of W = 16 where they do.
 PROOFS = (

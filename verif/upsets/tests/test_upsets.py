@@ -235,7 +235,7 @@ def test_a_pose_that_changes_before_its_run_begins_gives_no_go(tmp_path, seed, m
     assert len(board.run(33)) == 33
     with np.load(tmp_path / "run" / "undisturbed.npz") as kept:
         begins = runs(kept["events"], int(kept["events"]["clock"][-1]))[1][0]
-    # Two requests; the last fields are z, of four bytes, and the hold, of two.
+    # The last fields are z, of four bytes, and the hold, of two.
     size = HEAD.size + len(RunRequest(Mode.ALL, 0, *NO_ZONES, 1, 1).pack())
     kept = "TOP.nexys4ddr_top.u_command.g_request[{}].u_request.request_q"
     changes = [
