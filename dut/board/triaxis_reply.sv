@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Computes: the bytes of a reply: what it is given at once, its body again with every bit inverted,
-// then near pairs out of the ring, then the CRC over all. The inverted body has a register of its
+// then near pairs out of the ring, then the CRC over all. The body to be inverted has a register of its
 // own: a fault in either shows.
 // Widths: at most 10 + 2 * 56 + 32 * 4 + 4 = 254 bytes of the 256 that a frame may have.
 // Latency: 1 clock to the first byte; a byte a clock but for one before the inverted body, a near
@@ -42,9 +42,10 @@ module triaxis_reply
   } state_e;
 
   state_e state_q;
-  bytes_t bytes_q, inverted_q;
+  bytes_t bytes_q;
+  logic [BodyBits-1:0] again_q;
   left_t left_q;
-  body_bytes_t inverted_bytes_q;  // not yet handed to bytes_q
+  body_bytes_t again_bytes_q;  // not yet handed to bytes_q
   near_pairs_t pairs_q;
   logic [31:0] number_q, crc;
   logic idle, last_byte;
@@ -73,7 +74,7 @@ module triaxis_reply
       case (state_q)
         Idle: if (valid_i) state_q <= Bytes;
         Bytes: if (taken_i && last_byte) state_q <= Next;
-        Next: state_q <= inverted_bytes_q == '0 && pairs_q == '0 ? Crc : Bytes;
+        Next: state_q <= again_bytes_q == '0 && pairs_q == '0 ? Crc : Bytes;
         default: if (taken_i && last_byte) state_q <= Idle;
       endcase
     end
@@ -83,17 +84,18 @@ module triaxis_reply
     case (state_q)
       Idle: begin
         bytes_q <= reply_i;
-        inverted_q <= ~bytes_t'(reply_i.body);
+        again_q <= reply_i.body;
         left_q <= left_t'(ReplyHeadBytes) + left_t'(body_bytes_i);
-        inverted_bytes_q <= body_bytes_i;
+        again_bytes_q <= body_bytes_i;
         pairs_q <= pairs_i;
         number_q <= first_pair_i;
       end
       Next: begin
-        inverted_bytes_q <= '0;
-        if (inverted_bytes_q != '0) begin
-          bytes_q <= inverted_q;
-          left_q  <= left_t'(inverted_bytes_q);
+        again_bytes_q <= '0;
+        // Beyond what is sent it may be anything.
+        bytes_q <= ~bytes_t'(again_q);
+        if (again_bytes_q != '0) begin
+          left_q <= left_t'(again_bytes_q);
         end else if (pairs_q != '0) begin
           bytes_q[31:0] <= {
             16'(ring_data_i[IndexWidth+:IndexWidth]), 16'(ring_data_i[IndexWidth-1:0])

@@ -92,62 +92,55 @@ module triaxis_runner
 
   always_ff @(posedge clk_i or negedge rst_ni) begin
     if (!rst_ni) begin
-      run_state_q <= RunNever;
-      zones_q     <= '0;
-      summary_q   <= '0;
-    end else begin
-      if (run_i) begin
-        run_state_q <= RunGoing;
-        zones_q     <= '0;
-        summary_q   <= '0;
-      end
-      if (done_tvalid_i) begin
-        run_state_q <= RunDone;
-        zones_q     <= done_zones_i;
-        summary_q   <= done_summary_i;
-      end
-      if (forget_i) begin
-        run_state_q <= RunNever;
-        zones_q     <= '0;
-        summary_q   <= '0;
-      end
-    end
-  end
-
-  always_ff @(posedge clk_i or negedge rst_ni) begin
-    if (!rst_ni) begin
       waiting_q <= 1'b0;
       aborting_q <= 1'b0;
-      mode_q <= '0;
-      margins_q <= '0;
-      trial_q <= '0;
-      hold_q <= '0;
-      pose_q <= '0;
       run_number_q <= '0;
+      run_state_q <= RunNever;
       engine_status_q <= StatusNone;
     end else begin
       waiting_q <= run_i;
       if (done_tvalid_i) aborting_q <= 1'b0;
       else if (abort_i) aborting_q <= busy_o;
       if (run_i) begin
-        mode_q <= asked.mode[1:0];
-        margins_q <= asked.margins;
-        trial_q <= asked.trial;
-        hold_q <= asked.hold;
-        pose_q <= asked.pose;
         run_number_q <= run_number_q + 8'd1;
+        run_state_q <= RunGoing;
         engine_status_q <= StatusNone;
       end
-      if (done_tvalid_i) engine_status_q <= done_status_i;
+      if (done_tvalid_i) begin
+        run_state_q <= RunDone;
+        engine_status_q <= done_status_i;
+      end
       if (forget_i) begin
-        mode_q <= '0;
-        margins_q <= '0;
-        trial_q <= '0;
-        hold_q <= '0;
-        pose_q <= '0;
         run_number_q <= '0;
+        run_state_q <= RunNever;
         engine_status_q <= StatusNone;
       end
+    end
+  end
+
+  // Zeros as long as there was no run, so from a reset on too: set by the clock, which takes no logic of theirs.
+  logic never;
+  assign never = forget_i || run_state_q == RunNever;
+  always_ff @(posedge clk_i) begin
+    if (never && !run_i) begin
+      mode_q <= '0;
+      margins_q <= '0;
+      trial_q <= '0;
+      hold_q <= '0;
+      pose_q <= '0;
+    end else if (run_i) begin
+      mode_q <= asked.mode[1:0];
+      margins_q <= asked.margins;
+      trial_q <= asked.trial;
+      hold_q <= asked.hold;
+      pose_q <= asked.pose;
+    end
+    if (never || run_i) begin
+      zones_q   <= '0;
+      summary_q <= '0;
+    end else if (done_tvalid_i) begin
+      zones_q   <= done_zones_i;
+      summary_q <= done_summary_i;
     end
   end
 

@@ -91,7 +91,6 @@ module triaxis_mesh
   // The core's queue, and two steps of fetching.
   localparam int unsigned CoreLatency = Certify ? certified_latency(W, M) : core_latency(W, M);
   localparam int unsigned InFlight = 2 ** $clog2(CoreLatency) + 2;
-  localparam int unsigned SummaryWidth = summary_width(Depth);
   localparam int unsigned SeenWidth = walk_seen_width(W, M, Depth, Group, Lanes, CycleBits);
 
   typedef logic signed [W-1:0] coord_t;
@@ -240,7 +239,7 @@ module triaxis_mesh
   logic [CycleBits-1:0] cycles[2];
   logic [GroupPairWidth-1:0] groups_skipped[2], groups_opened[2];
   logic [PairCountWidth-1:0] skipped[2], tested[2], near[2];
-  seen_t seen[2], misread, second, seen_q[2];
+  seen_t seen[2], misread, second;
   logic core_valid, core_ready, verdict_valid, verdict_fault;
   logic [18*W-1:0] core_pair;
   index_t core_a, core_b;
@@ -484,11 +483,7 @@ module triaxis_mesh
   end
   assign second = seen[1] ^ misread;
   // In a reset they are alike.
-  always_ff @(posedge clk_i) begin
-    seen_q[0] <= seen[0];
-    seen_q[1] <= second;
-  end
-  assign differ = seen_q[0] != seen_q[1] || stores_differ != '0;
+  assign differ = seen[0] != second || stores_differ != '0;
   assign fault  = broken || differ || verdict_fault || (fault_q && !acknowledge_i);
 
   // A run that meets a fault ends in one, though it be acknowledged; what comes after it changes it no more.
@@ -504,7 +499,8 @@ module triaxis_mesh
   assign fault_o = fault_q;
 
   // What decides is compared in the very clock of the summary.
-  assign unlike = done[0] && (differ || seen[0][SummaryWidth-1:0] != second[SummaryWidth-1:0]);
+  assign unlike = done[0] && (differ || !done[1] || status[0] != status[1] ||
+      zones[0] != zones[1] || near[0] != near[1]);
   assign status_o =
       (status[0] != StatusNone && (unlike || ends_in_fault_q)) ? StatusFault : status[0];
 

@@ -34,7 +34,7 @@ module triaxis_mesh_intake
     output logic signed [W-1:0] box_o[2][3],
     output logic signed [W-1:0] group_o[2][3],
 
-    output logic [SeenWidth-1:0] seen_o
+    output logic [SeenWidth-1:0] seen_o  // of the last clock
 );
 
   localparam int unsigned ExtentLatency = 2;
@@ -155,7 +155,7 @@ module triaxis_mesh_intake
 
   // --- What two intakes of the same triangles must have alike ---------------------------------------------
 
-  // Each at the clocks at which something rests on it.
+  // Each at the clocks at which something rests on it: 0 at others, for which a register needs no logic.
   logic known, used;
   seen_t seen;
   assign known = settled_o && count_q != '0;
@@ -174,6 +174,6 @@ module triaxis_mesh_intake
       end
     end
   end
-  assign seen_o = seen;
+  always_ff @(posedge clk_i) seen_o <= seen;
 
 endmodule

@@ -101,12 +101,6 @@ package triaxis_mesh_pkg;
     return 2 * $clog2(depth) + 5 + 27 * w;
   endfunction
 
-  // Of these what decides, the lowest bits: that a summary is offered, its status, zones, and how many pairs
-  // are near.
-  function automatic int unsigned summary_width(int unsigned depth);
-    return 1 + $bits(status_e) + (Zones - 1) + 2 * $clog2(depth) + 1;
-  endfunction
-
   // Of what two walks must have alike, in the order of triaxis_walk.
   function automatic int unsigned walk_seen_width(int unsigned w, int unsigned m,
                                                   int unsigned depth, int unsigned group,
@@ -120,7 +114,8 @@ package triaxis_mesh_pkg;
         depth / lanes
     ) + 7 * index_bits;
     int unsigned counts = 2 * (2 * $clog2(depth / group) + 1) + 2 * (2 * index_bits + 1);
-    return m + 11 + $bits(zone_e) + addresses + 18 * w + cycle_bits + counts + summary_width(depth);
+    int unsigned summary = 1 + $bits(status_e) + (Zones - 1) + 2 * index_bits + 1;
+    return m + 11 + $bits(zone_e) + addresses + 18 * w + cycle_bits + counts + summary;
   endfunction
 
 endpackage

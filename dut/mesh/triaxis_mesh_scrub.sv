@@ -80,14 +80,18 @@ module triaxis_mesh_scrub
   // --- What came ------------------------------------------------------------------------------------
 
   logic keep;
-  logic [31:0] came_q;
+  logic [31:0] came_q, crc_q, crc_d;
   assign keep = push_i && count_i != count_t'(Depth);
   assign signature_o = ~came_q;
+
+  // Of what comes or, in other clocks, of what is read: the sums are most of this module. What comes out for the
+  // former a host looks at.
+  assign crc_d = after_triangle(push_i ? came_q : crc_q, push_i ? triangle_i : triangle_read_i);
 
   always_ff @(posedge clk_i or negedge rst_ni) begin
     if (!rst_ni) came_q <= '1;
     else if (clear_i) came_q <= '1;
-    else if (keep) came_q <= after_triangle(came_q, triangle_i);
+    else if (keep) came_q <= crc_d;
   end
 
   // --- What is there --------------------------------------------------------------------------------
@@ -100,9 +104,7 @@ module triaxis_mesh_scrub
 
   // What is loaded begins it anew: a word that is read just then counts no more.
   logic load, reading_q, last_q;
-  logic [31:0] crc_q, crc_d;
-  assign load  = clear_i || push_i;
-  assign crc_d = after_triangle(crc_q, triangle_read_i);
+  assign load = clear_i || push_i;
 
   always_ff @(posedge clk_i or negedge rst_ni) begin
     if (!rst_ni) begin

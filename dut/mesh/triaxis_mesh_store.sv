@@ -5,7 +5,7 @@
 // triangles and the box of the whole, see triaxis_mesh_intake. Boxes are kept in Lanes banks, so that one
 // read yields a word of Lanes boxes: number i lies in lane i mod Lanes of word i / Lanes. All that is kept
 // has parity, and is looked at again while scrub_i, see triaxis_mesh_scrub; what is to be kept is made twice, by
-// two intakes, and differ_o says that they do, or did in the last clock.
+// two intakes, and differ_o says that they did in the last clock.
 // Widths: coordinates W bits; a count of triangles has log2(Depth)+1 bits, for Depth itself.
 // Latency: 4 from push_i until the triangle and its boxes can be read; settled_o says so. 1 from a
 // read to its data.
@@ -123,9 +123,9 @@ module triaxis_mesh_store
   for (genvar i = 0; i < SeenWidth; i++) begin : g_misread
     assign misread[i] = trial_intake_i && 5'(i) == which_i;
   end
-  assign second = seen[1] ^ misread;
+  assign second   = seen[1] ^ misread;
   // In a reset they do not.
-  always_ff @(posedge clk_i) differ_o <= seen[0] != second;
+  assign differ_o = seen[0] != second;
 
   logic   write;
   index_t index;

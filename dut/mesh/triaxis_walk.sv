@@ -11,7 +11,7 @@
 //           narrower zone, see triaxis_near_pairs
 // A pair is skipped only where a box axis separates it by more than the margin, so skipping
 // changes no verdict. The memories and the core are outside, see triaxis_mesh; so two walks can be held
-// against each other: seen_o, in which all that a walk does shows within the clock, or is counted.
+// against each other: seen_o, in which all that a walk does shows a clock later, or is counted.
 // Widths: see triaxis_mesh_pkg and triaxis_pkg; numbers of pairs 2 log2(Depth) + 1 bits.
 // Latency: cycles_o tells; where nothing can be skipped, one clock a pair and some 50 more.
 
@@ -106,7 +106,7 @@ module triaxis_walk
     output logic [PairCountWidth-1:0] near_o,
     output logic [Zones-1:1] zones_o,
 
-    output logic [SeenWidth-1:0] seen_o
+    output logic [SeenWidth-1:0] seen_o  // of the last clock
 );
 
   localparam int unsigned LaneWidth = address_width(Lanes);
@@ -464,8 +464,10 @@ module triaxis_walk
 
   // --- What two walks of the same run must have alike -----------------------------------------------------
 
-  // Data of streams and addresses as long as they are valid: until then they may be anything.
-  assign seen_o[SeenWidth-M-1:0] = {
+  // Data of streams and addresses as long as they are valid: until then they may be anything, and 0 is shown, for
+  // which a register needs no logic.
+  logic [SeenWidth-1:0] seen;
+  assign seen[SeenWidth-M-1:0] = {
     s_axis_run_tready_o,
     busy_o,
     drain,
@@ -497,7 +499,8 @@ module triaxis_walk
     near_o
   };
   if (M > 0) begin : g_seen_margin
-    assign seen_o[SeenWidth-1-:M] = core_valid_o ? core_margin_o : '0;
+    assign seen[SeenWidth-1-:M] = core_valid_o ? core_margin_o : '0;
   end
+  always_ff @(posedge clk_i) seen_o <= seen;
 
 endmodule

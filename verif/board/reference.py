@@ -69,9 +69,9 @@ _LASTS: dict[int, int] = {Command.HELLO: 2, Command.ABORT: 1}
 # Clocks from then until its reply's first bit begins; that is seen in its middle, and tells that it was.
 REPLIED = 2
 
-# Clocks from the beginning of a run until a check fails, where it fails at once: in the engine two walks, or
-# two intakes, are seen, compared and told of; on the board a frame is, or two runners are.
-_FAILS_AFTER = {Trial.WALK: 3, Trial.INTAKE: 3, Trial.BOARD: 1}
+# Clocks from the beginning of a run until a check fails, where it fails at once: in the engine what two walks, or
+# two intakes, have shown is compared, and told of; on the board a frame is, or two runners are.
+_FAILS_AFTER = {Trial.WALK: 2, Trial.INTAKE: 2, Trial.BOARD: 1}
 # Clocks from the end of a run until a scrub tells of what it tries, in meshes of one triangle.
 _SCRUBBED_AFTER = 2
 

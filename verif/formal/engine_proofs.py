@@ -91,7 +91,7 @@ def _checks() -> SbyProof:
         {"W": 4, "M": 4, "Depth": 16, "Group": 4, "Lanes": 2},
         12,
         (
-            "what walks show of a summary is that summary, and all else that they do shows: `engine_twice`",
+            "all that walks do shows a clock later: `engine_twice`",
             "a walk that has ended a run says something of it, and no fault: `engine_control`",
             "nothing is broken or refuted when the first walk has ended its run: `engine_walk`",
         ),
@@ -104,9 +104,8 @@ def _twice() -> SbyProof:
     return harness_proof(
         "engine_twice",
         "Whatever one walk asks of a memory or of the core, or says, that the other does not, shows as a "
-        "difference in the next clock, and what it says of a summary at once; whatever one intake counts, "
-        "writes or says of a mesh that the other does not, too; for any states of the two. In a reset they "
-        "are alike.",
+        "difference in the next clock; whatever one intake counts, writes or says of a mesh that the other "
+        "does not, too; for any states of the two. After a reset they are alike.",
         (*_WALK, *_MESH),
         {"W": 8, "M": 8, "Depth": 16, "Group": 4, "Lanes": 2},
         2,
@@ -147,9 +146,10 @@ def _parity(name: str, pieces: int, words: int) -> SbyProof:
 
 # What a triangle makes of a CRC.
 _ANY_CRC = (
-    ("came_q <= after_triangle(came_q, triangle_i);", "came_q <= free_came;"),
-    ("assign crc_d = after_triangle(crc_q, triangle_read_i);", "assign crc_d = free_crc;"),
-    ("logic [31:0] came_q;", "logic [31:0] came_q, free_came, free_crc;"),
+    (
+        "assign crc_d = after_triangle(push_i ? came_q : crc_q, push_i ? triangle_i : triangle_read_i);",
+        "logic [31:0] free_crc;\n  assign crc_d = free_crc;",
+    ),
 )
 
 

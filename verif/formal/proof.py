@@ -203,7 +203,7 @@ class SbyProof(Proof):
     ``clocks``: those in which everything to be covered is reached, and all that a window has: were they too
     few for anything to be asserted, they would be for what is covered, too. ``depth``: the k of the
     induction. ``cover_from_reset``: else covers begin in any state that the assertions allow; only the
-    harness's own registers begin as it says.
+    harness's own registers begin as it says, but for those that tell whether something came before.
     """
 
     parameters: Mapping[str, int]

@@ -22,8 +22,8 @@ module triaxis_runner_sva
   else $error("what is compared of a runner is not all that rests on it");
 
   NothingInReset :
-  assert property (@(posedge clk_i) rst_ni || due == '0)
-  else $error("in reset a runner keeps something of a run");
+  assert property (@(posedge clk_i) !rst_ni && $past(!rst_ni) |=> due == '0)
+  else $error("after two clocks of reset a runner keeps something of a run");
 
   ForgottenByHello :
   assert property (@(posedge clk_i) disable iff (!rst_ni) forget |=> asked == '0 && number == '0)

@@ -5,7 +5,7 @@
 // something rests on a word that is not intact, that a mesh is not as it was loaded, that the core tells a
 // fault. All of that comes at any clocks here, see triaxis_checks_surroundings.
 //
-// In doubt is a run from the clock after one of these, and from its beginning where one comes as it is accepted,
+// In doubt is a run from the clock after one of these is seen, and from its beginning where one comes as it is accepted,
 // or was before and is not acknowledged: it ends with StatusFault, whatever the walks say. What comes when it
 // is over is no doubt about it: its status stays as it was told.
 
@@ -116,7 +116,7 @@ module triaxis_checks_formal
     assign misread[i] = busy && trial_q.kind == TrialWalk && i % 32 == 32'(trial_q.which);
   end
 
-  logic broken, unlike, unlike_q, stores_differ, refuted, found;
+  logic broken, unlike, stores_differ, refuted, found;
   always_comb begin
     broken = 1'b0;
     for (int i = 0; i < 2; i++) begin
@@ -141,34 +141,30 @@ module triaxis_checks_formal
   logic found_q, stood_q, doubt_q, condemned_q, met_q, tried_q, awake_q;
   status_e told_q;
 
-  // What is found in this clock; that the walks differ, a clock after they do.
-  assign found = broken || changed != '0 || stores_differ || refuted || unlike_q;
+  // What is found in this clock; that walks or intakes differ, a clock after they do.
+  assign found = broken || changed != '0 || stores_differ || refuted || unlike;
 
   // What of a summary is compared in its own clock.
   logic standing, differs_now, in_doubt;
   assign standing = fault_o && !acknowledge_i;
-  assign differs_now = stores_differ || unlike_q ||
-      ({over[0], said[0], zones_said[0], near_said[0]} ^
-       {over[1], said[1], zones_said[1], near_said[1]}) !=
-      misread[summary_width(
-      Depth
-  )-1:0];
+  assign differs_now = stores_differ || unlike ||
+      {over[0], said[0], zones_said[0], near_said[0]} !=
+      {over[1], said[1], zones_said[1], near_said[1]};
   assign in_doubt = doubt_q || (done && differs_now);
 
   always_ff @(posedge clk_i or negedge rst_ni) begin
     if (!rst_ni) begin
-      {unlike_q, found_q, stood_q, doubt_q, condemned_q, met_q, tried_q, awake_q} <= '0;
+      {found_q, stood_q, doubt_q, condemned_q, met_q, tried_q, awake_q} <= '0;
       told_q <= StatusNone;
     end else begin
-      awake_q  <= 1'b1;
-      unlike_q <= unlike;
-      found_q  <= found;
-      stood_q  <= standing;
+      awake_q <= 1'b1;
+      found_q <= found;
+      stood_q <= standing;
       if (accept) doubt_q <= found || standing;
       else if (busy) doubt_q <= doubt_q || found || standing || (done && differs_now);
       if (accept) condemned_q <= found || standing;
       met_q   <= !accept && busy && (met_q || fault_o);
-      // The walks did the same in a clock in which one of them was misread.
+      // The walks showed the same in a clock in which one of them was misread.
       tried_q <= !accept && (tried_q || (misread != '0 && seen[0] == seen[1]));
       if (accept) told_q <= StatusNone;
       // What is found in the very clock of the summary is told from the next one on.
@@ -188,8 +184,7 @@ module triaxis_checks_formal
 
   always_comb begin
     if (rst_ni) begin
-      // A fault is what was found in the last clock, walks that differed in the one before, or one that
-      // nobody acknowledged; and nothing else.
+      // A fault is what was found in the last clock, or one that nobody acknowledged; and nothing else.
       Told : assert (fault_o == (found_q || stood_q));
       Summary : assert (done == over[0] && near == near_said[0] && zones == zones_said[0]);
       InDoubt : assert (said[0] == StatusNone || !in_doubt || status == StatusFault);
@@ -245,11 +240,10 @@ module triaxis_checks_formal
       // What makes it inductive.
       for (int i = 0; i < 2; i++) assert (!over[i] || (u_mesh.busy[i] && said[i] != StatusNone));
       assert (u_mesh.trial_q == trial_q);
-      assert (unlike_q == (u_mesh.seen_q[0] != u_mesh.seen_q[1]));
       assert (doubt_q == u_mesh.ends_in_fault_q);
       assert (!condemned_q || doubt_q);
       assert (!met_q || doubt_q);
-      assert (!busy || !tried_q || doubt_q || unlike_q);
+      assert (!busy || !tried_q || doubt_q);
       assert (!(busy && fault_o) || doubt_q);
     end
   end

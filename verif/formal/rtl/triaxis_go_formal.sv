@@ -536,7 +536,7 @@ module triaxis_go_formal
         assert (u_top.status.pose == host_run_d.pose && u_top.runs[0].hold == host_run_d.hold);
         assert (u_top.g_runner[0].u_runner.margins_q == host_run_d.margins &&
                 u_top.run_mode == host_run_d.mode);
-        assert (u_top.trial == host_run_d.trial && !faulted_q);
+        assert (u_top.trial == host_run_d.trial && !faulted_q && u_top.run_state != RunNever);
         for (int z = 0; z < int'(Zones); z++) assert ((host_run_d.margins[z] >> M) == '0);
         assert (engine_count[0] == 17'(host_run_d.count_a) && engine_count[0] != '0);
         assert (engine_count[1] == 17'(host_run_d.count_b) && engine_count[1] != '0);

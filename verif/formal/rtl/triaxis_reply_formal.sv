@@ -209,6 +209,16 @@ module triaxis_reply_formal
   logic sending, next, ending, chosen;
   assign sending = u_reply.state_q == 2'd1;
   assign next = u_reply.state_q == 2'd2;
+  // Of the payload that is to follow inverted.
+  logic again_is_due;
+  always_comb begin
+    again_is_due = 1'b1;
+    for (int b = 0; b < int'(BodyBytes); b++) begin
+      if (followed == 9'd10 + 9'(b) && 8'(u_reply.again_q >> 8 * b) != followed_q) begin
+        again_is_due = 1'b0;
+      end
+    end
+  end
   assign ending = u_reply.state_q == 2'd3;
   assign chosen = first_q + 32'(nth[8:2]) == number_q;
 
@@ -249,9 +259,8 @@ module triaxis_reply_formal
         assert (!in_head || followed < sent_q || followed >= inverted_from ||
                 u_reply.bytes_q[8*(followed-sent_q)+:8] == followed_q);
         assert (!in_head && !(next && sent_q == inverted_from) ||
-                (9'(u_reply.inverted_bytes_q) == bytes_q &&
-                 (followed < 9'd10 || followed >= inverted_from ||
-                  u_reply.inverted_q[8*(followed-9'd10)+:8] == ~followed_q)));
+                (9'(u_reply.again_bytes_q) == bytes_q &&
+                 (followed < 9'd10 || followed >= inverted_from || again_is_due)));
         assert (sent_q > pairs_from || (in_pairs && sending) ||
                 (9'(u_reply.pairs_q) == pairs_q && u_reply.number_q == first_q));
         assert (sent_q == '0 || sent_q > pairs_from || (in_pairs && sending) ||
@@ -259,7 +268,7 @@ module triaxis_reply_formal
         // The payload inverted.
         assert (!in_inverted || (next && sent_q == inverted_from) ||
                 (sending && 9'(u_reply.left_q) == pairs_from - sent_q));
-        assert (in_head || (next && sent_q == inverted_from) || u_reply.inverted_bytes_q == '0);
+        assert (in_head || (next && sent_q == inverted_from) || u_reply.again_bytes_q == '0);
         assert (!in_inverted || !sending || followed < 9'd10 || followed >= inverted_from ||
                 inverted < sent_q || u_reply.bytes_q[8*(inverted-sent_q)+:8] == ~followed_q);
         // The near pairs.

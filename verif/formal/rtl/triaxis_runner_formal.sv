@@ -57,6 +57,7 @@ module triaxis_runner_formal
     OneAtATime : assume ((commands & (commands - 3'd1)) == '0);
     NotInRuns : assume (!busy_o || !(forget_i || run_i));
     EndsRuns : assume (busy_o || !done_tvalid_i);
+    NoneInReset : assume (rst_ni || !run_i);
   end
 
   // What has happened since the last HELLO, event by event.
@@ -129,7 +130,9 @@ module triaxis_runner_formal
                 asked_q.margins[ZoneMargin][M-1:0]});
         HandedPose : assert (run_tdata_o == run_pose);
       end
+      // What makes it inductive.
       assert (u_runner.margins_q == asked_q.margins);
+      assert (going_q || over_q || {begun_q, asked_q} == '0);
       SeenLong : cover (over_q && summary_o.cycles[31] && run_number_o == 8'd2);
     end
   end

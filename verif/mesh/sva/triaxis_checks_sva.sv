@@ -13,9 +13,9 @@ module triaxis_shown_sva #(
     input logic [Width-1:0] due
 );
 
-  // All that rests on a copy in this clock, and nothing that may be anything.
+  // All that rested on a copy in the last clock, and nothing that may be anything.
   ShowsAll :
-  assert property (@(posedge clk_i) disable iff (!rst_ni) seen == due)
+  assert property (@(posedge clk_i) disable iff (!rst_ni) seen == $past(due))
   else $error("what is compared of a copy is not all that rests on it");
 
 endmodule
