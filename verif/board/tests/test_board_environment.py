@@ -36,7 +36,7 @@ BROKEN = (
     ("QuietInReset", "loader", "state_q <= Idle;\n    end", "state_q <= state_q;\n    end", "Resets"),
     ("LineIdleInReset", "uart_tx", "      left_q  <= '0;\n", "", "Resets"),
     ("NothingInReset", "runner", "      mode_q <= '0;\n      margins_q", "      margins_q", "Resets"),
-    ("ForgottenByHello", "runner", "        trial_q <= '0;\n", "        trial_q <= '1;\n", "Smoke"),
+    ("ForgottenByHello", "runner", "never = forget_i || ", "never = ", "Smoke"),
     ("ForgottenInReset", "safety", "part_q  <= '0;\n", "part_q  <= part_q;\n", "Resets"),
     ("StopInReset", "safety", "stop_q <= 1'b1;\n    end else", "stop_q <= stop_q;\n    end else", "Resets"),
     ("EmptyingHeld", "loader", "if (both_q && tready_i)", "if (both_q)", "Abort"),
